@@ -168,6 +168,8 @@ void atlas_advise_names(const struct act *act, const bool has[256]);
 enum err act_note_picture(const struct act *act, const struct labels *labels,
                           struct picture *picture);
 
+/* The caller releases the pictures below, also on error. */
+
 /* Make a picture of the current rendition, which shows these labels, with all notes. `name` is the
  * file name, which determines the planes; NULL for a golden image. */
 enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
@@ -198,13 +200,12 @@ void act_add_picture_digest(const struct act *act);
 enum err act_write_now(struct interpreter *interp, const char *path, enum file_mode mode,
                        const struct picture *picture, struct fault *fault);
 
-/* Write a picture to `path`, which comes from interpreter_output_path, or queue it for the picture
- * writer, and add a line to the answer. The picture is released, also on error. */
+/* Write a picture to `path`, which comes from interpreter_output_path, or move it to the queue of
+ * the picture writer, and add a line to the answer. */
 enum err act_write_picture(const struct act *act, const char *path, enum file_mode mode,
                            struct picture *picture);
 
-/* Make a picture of a slice or mosaic with notes, and add its digest to the words of the record.
- * The caller releases the picture. */
+/* Make a picture of a slice or mosaic with notes, and add its digest to the words of the record. */
 enum err act_take_slices(const struct act *act, enum slice_kind kind, const struct labels *labels,
                          struct picture *picture);
 

@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/json.h"
+#include "base/mem.h"
 #include "base/scan.h"
 #include "command/act.h"
 #include "engine/hints.h"
@@ -408,7 +409,7 @@ enum err act_why(const struct act *act)
     const uint32_t *p = act_place(act, "PLACE");
     const uint32_t place = grid_cell(&session->scene->grid, p[0], p[1], p[2]);
     const struct cell *cell = session->scene->cell + place;
-    struct way way = {0};
+    OWNED(way_release) struct way way = {0};
     act_write_voxel(&act->reply->text, session, place);
     act_write_refusal(&act->reply->text, session, place);
     if (!cell_is_reached(cell))
@@ -416,21 +417,20 @@ enum err act_why(const struct act *act)
     buf_printf(&act->reply->text, "cost %u, %u step%s since it last rose\n", key_cost(cell->key),
                key_hops(cell->key), plural(key_hops(cell->key)));
     const enum err err = way_find(&way, session->forest, place, act->fault);
-    if (!err) {
-        size_t rises = 0;
-        for (size_t i = 0; i + 1 < way.count && rises < RISES_MOST; i++) {
-            const uint64_t key = session->scene->cell[way.cell[i]].key;
-            const struct place rise = grid_place(&session->scene->grid, way.cell[i]);
-            if (key_hops(key) > 0)
-                continue;
-            buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u%s\n", key_cost(key),
-                       rise.x, rise.y, rise.z, rises++ == 0 ? ": its strongest edge" : "");
-        }
-        buf_printf(&act->reply->text, "%zu step%s from the seed in all\n", way.count - 1,
-                   plural(way.count - 1));
+    if (err)
+        return err;
+    size_t rises = 0;
+    for (size_t i = 0; i + 1 < way.count && rises < RISES_MOST; i++) {
+        const uint64_t key = session->scene->cell[way.cell[i]].key;
+        const struct place rise = grid_place(&session->scene->grid, way.cell[i]);
+        if (key_hops(key) > 0)
+            continue;
+        buf_printf(&act->reply->text, "    the cost rises to %u at %u,%u,%u%s\n", key_cost(key),
+                   rise.x, rise.y, rise.z, rises++ == 0 ? ": its strongest edge" : "");
     }
-    way_release(&way);
-    return err ? err : write_rival(act, place);
+    buf_printf(&act->reply->text, "%zu step%s from the seed in all\n", way.count - 1,
+               plural(way.count - 1));
+    return write_rival(act, place);
 }
 
 /* ---- the least certain places of the border ---- */
@@ -461,7 +461,7 @@ static enum err write_hint(const struct act *act, const struct hint *hint, size_
     const unsigned cost = key_cost(session->scene->cell[hint->cell].key);
     const struct place p = place_of(act, hint->cell);
     struct buf *out = &act->reply->text;
-    struct way way = {0};
+    OWNED(way_release) struct way way = {0};
     const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
     buf_printf(out, "%zu  at %u,%u,%u: %u voxel%s", number, p.x, p.y, p.z, hint->voxels,
                plural(hint->voxels));
@@ -479,7 +479,6 @@ static enum err write_hint(const struct act *act, const struct hint *hint, size_
         buf_printf(out, "; strongest edge into %u,%u,%u", edge.x, edge.y, edge.z);
     }
     buf_add_char(out, '\n');
-    way_release(&way);
     return err;
 }
 
@@ -491,7 +490,7 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
     const struct session *session = act->session;
     const struct kept *kept = &session->now.kept;
     const unsigned cost = key_cost(session->scene->cell[hint->cell].key);
-    struct way way = {0};
+    OWNED(way_release) struct way way = {0};
     const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
     const struct place p = place_of(act, hint->cell);
     json_object(json, NULL);
@@ -512,7 +511,6 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
         json_format(json, "strongest_edge", "%u,%u,%u", edge.x, edge.y, edge.z);
     }
     json_end(json);
-    way_release(&way);
     return err;
 }
 

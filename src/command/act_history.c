@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/mem.h"
 #include "journal/golden.h"
 #include "journal/journal.h"
 
@@ -128,7 +129,7 @@ static enum err take_goldens_along(struct buf *made, const struct journal *from,
                                    struct fault *fault)
 {
     const struct buf *bytes = journal_bytes(from);
-    struct golden_files source;
+    OWNED(golden_files_close) struct golden_files source = {.folder = -1};
     enum err err = golden_files_open(&source, journal_path(from), fault);
     if (!err)
         err = golden_files_read(&source, buf_text(bytes), bytes->length, fault);
@@ -140,7 +141,6 @@ static enum err take_goldens_along(struct buf *made, const struct journal *from,
         buf_clear(made);
     if (err)
         buf_clear(made);
-    golden_files_close(&source);
     return err;
 }
 

@@ -138,9 +138,9 @@ static enum err fit_turns(const struct spin *spin, struct view *from)
 {
     const struct session *session = spin->act->session;
     const struct view first = *from;
-    struct fit fit;
+    OWNED(fit_release) struct fit fit = {0};
     uint32_t place[3];
-    enum err err = fit_init(&fit, &session->border, spin->act->fault);
+    const enum err err = fit_init(&fit, &session->border, spin->act->fault);
     if (err)
         return err;
     fit_place(&fit, &first, place);
@@ -152,7 +152,6 @@ static enum err fit_turns(const struct spin *spin, struct view *from)
         watch_poll(session->watch, "turntable", 0, spin->total);
     }
     view_focus_on(from, session->scene, place);
-    fit_release(&fit);
     return watch_fault(session->watch, spin->act->fault);
 }
 
@@ -175,7 +174,7 @@ static enum err draw_turned(struct spin *spin, const struct view *from, unsigned
 {
     struct session *session = spin->act->session;
     const struct view view = view_of(spin, from, number);
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     uint64_t digest = 0;
     enum err err = session_set_view(session, &view, spin->act->fault);
     if (!err && spin->is_streamed) { /* directly into a file */
@@ -193,7 +192,6 @@ static enum err draw_turned(struct spin *spin, const struct view *from, unsigned
     if (!err && spin->path->length && (spin->pattern.counts || number + 1 == spin->total))
         act_note_file(buf_text(spin->path), spin->act->reply);
     spin->digest += hash_mix_at(number, digest);
-    picture_release(&picture);
     return err;
 }
 
@@ -335,11 +333,7 @@ enum err act_take_picture(const struct act *act, const struct labels *labels, co
         err = export_background(picture, act->session, act->fault);
     else if (!err && has_all)
         err = export_normals(picture, act->session, act->fault);
-    if (!err)
-        err = act_note_picture(act, labels, picture);
-    if (err)
-        picture_release(picture);
-    return err;
+    return err ? err : act_note_picture(act, labels, picture);
 }
 
 enum err act_draw_file(const struct act *act, const struct drawn_file *file,
@@ -347,7 +341,7 @@ enum err act_draw_file(const struct act *act, const struct drawn_file *file,
 {
     const bool is_written = *file->path;
     const unsigned planes = file_is_named(file->path, EXR_NAMES) ? PICTURE_EVERY : 0;
-    struct picture picture;
+    OWNED(picture_release) struct picture picture = {0};
     struct strips *strips = NULL;
     enum err err = OK;
     export_form(&picture, act->session);
@@ -365,7 +359,6 @@ enum err act_draw_file(const struct act *act, const struct drawn_file *file,
         strips_abandon(strips);
     else if (is_written)
         err = strips_end(strips, &picture, act->fault);
-    picture_release(&picture);
     return err;
 }
 
@@ -377,11 +370,7 @@ enum err act_draw_picture(const struct act *act, const struct labels *labels, en
     enum err err = picture->rgba
                        ? export_rows(picture, NULL, act->session, labels, mode, digest, act->fault)
                        : fault_memory(act->fault, "a picture");
-    if (!err)
-        err = act_note_picture(act, labels, picture);
-    if (err)
-        picture_release(picture);
-    return err;
+    return err ? err : act_note_picture(act, labels, picture);
 }
 
 void act_add_picture_digest(const struct act *act)
@@ -414,7 +403,6 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
     }
     if (!err)
         act_write_file_line(is_beside ? "writing " : "wrote ", path, act->reply);
-    picture_release(picture);
     return err;
 }
 
@@ -447,7 +435,7 @@ static enum err render_large(const struct act *act, const char *name, enum rende
         if (!err && *to)
             act_write_file_line("wrote ", to, act->reply);
     } else if (!err) {
-        struct picture picture;
+        OWNED(picture_release) struct picture picture = {0};
         err = act_draw_picture(act, &labels, mode, &picture, &digest);
         if (!err)
             err = act_write_picture(act, to, act_file_mode(act), &picture);
@@ -465,16 +453,14 @@ static enum err render_whole(const struct act *act, enum render_mode mode)
         return err;
     act_add_picture_digest(act);
     if (act_has(act, "FILE")) {
-        struct picture picture;
+        OWNED(picture_release) struct picture picture = {0};
         struct buf *path = act_buf(act);
         err = interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault);
         if (err || !path->length)
             return err;
         err = act_take_picture(act, &labels, act_text(act, "FILE"), &picture);
-        if (err)
-            return err;
         picture.tiled = act_number(act, "layout") == 1;
-        return act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
+        return err ? err : act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
     }
     act->interp->shows_picture = true;
     const struct rendition *r = session_frame(act->session);
@@ -574,23 +560,17 @@ static enum err draw_slices(const struct act *act, enum slice_kind kind,
 enum err act_take_slices(const struct act *act, enum slice_kind kind, const struct labels *labels,
                          struct picture *picture)
 {
-    struct canvas canvas;
+    OWNED(canvas_release) struct canvas canvas = {0};
     enum err err = draw_slices(act, kind, labels, true, &canvas);
-    if (err)
-        return err;
-    err = slicing_export(picture, act->session, kind, labels, &canvas, act->fault);
-    canvas_release(&canvas);
     if (!err)
-        err = act_note_picture(act, labels, picture);
-    if (err)
-        picture_release(picture);
-    return err;
+        err = slicing_export(picture, act->session, kind, labels, &canvas, act->fault);
+    return err ? err : act_note_picture(act, labels, picture);
 }
 
 /* Write to FILE, or show inline. */
 static enum err show_or_write(const struct act *act, enum slice_kind kind)
 {
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     struct labels labels;
     struct buf *path = act_buf(act);
     if (act->interp->mode == MODE_SKIM)
@@ -607,10 +587,9 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind)
         err = act_take_slices(act, kind, &labels, &picture);
     if (!err)
         err = interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault);
-    if (!err && path->length)
-        return act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
-    picture_release(&picture);
-    return err;
+    return err || !path->length
+               ? err
+               : act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
 }
 
 enum err act_slice(const struct act *act)

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/mem.h"
 #include "command/golden_files.h"
 #include "image/exr.h"
 #include "image/surface_file.h"
@@ -51,25 +52,23 @@ static enum err compare_pictures(const struct picture *expected, const struct pi
                                  const struct interpreter *interp,
                                  struct golden_difference *difference, struct fault *fault)
 {
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     const struct golden_planes e = planes_of(expected), a = planes_of(actual);
-    enum err err = golden_compare(&e, &a, difference, fault);
-    if (!err && !difference->is_same) {
-        golden_describe(&words, difference);
-        err = fault_set(fault, ERR_CHECK, "%s", buf_text(&words));
-    } else if (!err) {
-        err = golden_compare_notes(expected, actual, !interp->scene_path, fault);
-    }
-    buf_release(&words);
-    return err;
+    const enum err err = golden_compare(&e, &a, difference, fault);
+    if (err)
+        return err;
+    if (difference->is_same)
+        return golden_compare_notes(expected, actual, !interp->scene_path, fault);
+    golden_describe(&words, difference);
+    return fault_set(fault, ERR_CHECK, "%s", buf_text(&words));
 }
 
 static enum err compare_golden(struct interpreter *interp, const char *name, const char *path,
                                struct picture *actual, struct fault *fault)
 {
     const struct golden_judge *judge = interp->judge;
-    struct picture expected = {0};
-    struct golden_difference difference = {0};
+    OWNED(picture_release) struct picture expected = {0};
+    OWNED(golden_difference_release) struct golden_difference difference = {0};
     const bool has_source = judge && judge->source;
     const char *source = has_source ? judge->source(judge->context, path) : path;
     bool leads_out = false;
@@ -80,10 +79,8 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
     bool is_read = !err;
     if (is_read)
         err = compare_pictures(&expected, actual, interp, &difference, fault);
-    if (err == ERR_MEMORY || err == ERR_CANCELLED) {
-        picture_release(&expected);
+    if (err == ERR_MEMORY || err == ERR_CANCELLED)
         return err;
-    }
     if (err) { /* each of these is a failure of the image */
         is_read = is_read && !leads_out;
         if (leads_out)
@@ -100,8 +97,6 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
         err = judge->differs(judge->context, interp, &finding, fault);
     else if (!err && judge && judge->is_same)
         err = judge->is_same(judge->context, interp, &finding, fault);
-    golden_difference_release(&difference);
-    picture_release(&expected);
     return err;
 }
 
@@ -114,16 +109,14 @@ static enum err compare_golden(struct interpreter *interp, const char *name, con
 static enum err write_golden(struct interpreter *interp, const char *name, const char *path,
                              struct picture *picture, struct fault *fault)
 {
-    struct golden_files files;
+    OWNED(golden_files_close) struct golden_files files = {.folder = -1};
     struct buf *png = arena_buf(&interp->arena);
     enum err err = interp->journal ? journal_sync(interp->journal, fault) : OK;
+    if (!err)
+        err = golden_files_make(&files, buf_text(&interp->home), fault);
     if (err)
         return err;
-    err = golden_files_make(&files, buf_text(&interp->home), fault);
     buf_printf(png, "%s/%s.png", buf_text(&files.path), name);
-    golden_files_close(&files);
-    if (err)
-        return err;
     const bool is_there = file_exists(path), has_png = file_exists(buf_text(png));
     if (is_there)
         err = compare_golden(interp, name, path, picture, fault);
@@ -159,7 +152,7 @@ enum err act_golden(const struct act *act)
 {
     struct interpreter *interp = act->interp;
     const bool is_new = interp->mode == MODE_LIVE;
-    struct picture picture = {0};
+    OWNED(picture_release) struct picture picture = {0};
     struct buf *path = act_buf(act);
     const char *name = act_text(act, "NAME");
     if (!golden_name_is_valid(name))
@@ -186,7 +179,6 @@ enum err act_golden(const struct act *act)
         if (!err && is_new)
             act_write_file_line("stored as ", buf_text(path), act->reply);
     }
-    picture_release(&picture);
     return err;
 }
 
@@ -426,11 +418,11 @@ struct coverage {
     bool has[256];
 };
 
+/* Count in an empty coverage. */
 static enum err count_coverage(struct coverage *coverage, const struct session *session,
                                const struct labels *labels, struct fault *fault)
 {
-    struct coverage count = {0};
-    uint16_t *rest;
+    OWNED(mem_release) uint16_t *rest = NULL;
     const enum err err = session_take_rest(session, &rest, fault);
     const uint16_t *region = rest;
     struct grid_walk walk = scene_walk(session->scene, "counting", NULL, 0);
@@ -439,15 +431,13 @@ static enum err count_coverage(struct coverage *coverage, const struct session *
             const struct cell *cell = session->scene->cell + c;
             const bool is_kept = region && *region++;
             const bool is_outside = cell->flags & CELL_OUTSIDE && !is_kept;
-            count.kept += is_kept;
             const uint8_t label = labels_at(labels, c);
-            count.labelled += label > 0;
-            count.has[label] = true;
-            count.outside += is_outside;
-            count.unreached += !is_outside && !is_kept && !cell_is_reached(cell);
+            coverage->kept += is_kept;
+            coverage->labelled += label > 0;
+            coverage->has[label] = true;
+            coverage->outside += is_outside;
+            coverage->unreached += !is_outside && !is_kept && !cell_is_reached(cell);
         }
-    free(rest);
-    *coverage = count;
     return err;
 }
 

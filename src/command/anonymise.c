@@ -5,6 +5,7 @@
 
 #include "base/choice.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/scan.h"
 #include "command/command.h"
 #include "image/exr.h"
@@ -57,7 +58,7 @@ static const char *ending_of(const char *name)
 static void add_name(struct anonymiser *anonymiser, struct buf *out, const char *name,
                      bool is_scene)
 {
-    struct buf word = {0};
+    OWNED(buf_release) struct buf word = {0};
     const char *ending = ending_of(file_name(name));
     if (is_scene)
         buf_add_text(&word, "scene");
@@ -66,7 +67,6 @@ static void add_name(struct anonymiser *anonymiser, struct buf *out, const char 
     buf_add_text(&word, ending);
     command_write_word(out, buf_text(&word));
     out->failed |= word.failed;
-    buf_release(&word);
 }
 
 /* ---- words ---- */
@@ -115,7 +115,7 @@ static void add_word(struct anonymiser *anonymiser, struct buf *out, const struc
 void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const char *command)
 {
     struct value value[PARAMETERS_MOST] = {{.given = false}};
-    struct buf word = {0};
+    OWNED(buf_release) struct buf word = {0};
     const struct command *known = NULL;
     for (unsigned n = 0; *command; n++) {
         const char *rest = command;
@@ -134,5 +134,4 @@ void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const cha
         command = rest + strspn(rest, " \t");
     }
     out->failed |= word.failed | anonymiser->names.failed;
-    buf_release(&word);
 }

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "base/choice.h"
+#include "base/mem.h"
 #include "engine/roi.h"
 #include "image/geometry.h"
 #include "journal/journal.h"
@@ -443,7 +444,7 @@ static void write_scene(struct buf *out, const struct session *session)
 /* Add the look of the rendition, and the slices. */
 static void write_look(struct buf *out, struct session *session)
 {
-    struct buf opacity = {0};
+    OWNED(buf_release) struct buf opacity = {0};
     write_view(out, session);
     buf_add_text(out, "look      ");
     settings_write(out, GROUP_LOOK, &session->now);
@@ -454,7 +455,6 @@ static void write_look(struct buf *out, struct session *session)
     write_cut(out, session);
     buf_add_text(out, "slices    ");
     act_write_slices(out, session);
-    buf_release(&opacity);
 }
 
 enum err act_info(const struct act *act)

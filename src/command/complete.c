@@ -125,11 +125,10 @@ static void add_lines(struct buf *out, const char *text, size_t length, const ch
 
 static void add_usage(struct buf *out, const struct command *command)
 {
-    struct buf usage = {0};
+    OWNED(buf_release) struct buf usage = {0};
     command_usage(&usage, command);
     add_lines(out, buf_text(&usage), usage.length, " [", 0, USAGE_MOST);
     out->failed |= usage.failed;
-    buf_release(&usage);
 }
 
 const char *command_note(const struct command *command, const char *word, size_t word_length,
@@ -243,20 +242,18 @@ static bool read_words(struct partial *p, const char *line)
  * blank. The caller releases the word in any case. */
 static bool read_partial(struct partial *partial, const char *line, size_t cursor)
 {
-    struct buf before = {0};
+    OWNED(buf_release) struct buf before = {0};
     *partial = (struct partial){.parameter = -1};
     buf_add(&before, line, cursor);
     const char *text = buf_text(&before), *first = text;
     scan_blanks(&first);
-    bool fine = *first != '#' && read_words(partial, text);
+    const bool fine = *first != '#' && read_words(partial, text);
     if (fine && partial->command) {
         const char *word = buf_text(&partial->word), *value = word;
         partial->parameter = command_parameter_for(partial->command, partial->value, &value);
         partial->key = (size_t)(value - word);
     }
-    fine = fine && !before.failed && !partial->word.failed;
-    buf_release(&before);
-    return fine;
+    return fine && !before.failed && !partial->word.failed;
 }
 
 /* ---- words ---- */
@@ -317,14 +314,13 @@ static void offer(const struct offers *o, const char *word, size_t length, struc
 static struct note choice_note(const struct command *command, const struct parameter *p,
                                const struct choice *choice)
 {
-    struct buf keyed = {0};
+    OWNED(buf_release) struct buf keyed = {0};
     struct note note = {0};
     note.text = command_note(command, choice->word, choice->length, &note.length);
     buf_printf(&keyed, "%s=", p->name);
     buf_add(&keyed, choice->word, choice->length);
     if (!note.length && p->keyed)
         note.text = command_note(command, buf_text(&keyed), keyed.length, &note.length);
-    buf_release(&keyed);
     return note;
 }
 
@@ -386,10 +382,10 @@ static int compare_names(const void *a, const void *b)
     return strverscmp(*x, *y);
 }
 
-/* Read the names with this prefix; none without memory or if the folder cannot be read. */
+/* Read the names with this prefix into an empty listing; none without memory or if the folder
+ * cannot be read. */
 static void listing_read(struct listing *listing, const char *folder, const char *begin)
 {
-    *listing = (struct listing){0};
     DIR *dir = opendir(folder);
     if (!dir)
         return;
@@ -416,7 +412,6 @@ static void listing_release(struct listing *listing)
 {
     buf_release(&listing->store);
     free(listing->name);
-    *listing = (struct listing){0};
 }
 
 /* ---- files ---- */
@@ -433,13 +428,12 @@ static void offer_files(const struct offers *o)
 {
     const char *slash = strrchr(o->typed, '/'), *begin = slash ? slash + 1 : o->typed;
     const size_t leads = (size_t)(begin - o->typed);
-    struct buf path = {0}, folder = {0};
-    struct listing listing;
+    OWNED(buf_release) struct buf path = {0}, folder = {0};
+    OWNED(listing_release) struct listing listing = {0};
     bool quoted = o->quoted;
     buf_add(&path, o->typed, leads);
     file_from_home(&folder, buf_text(&path));
     listing_read(&listing, leads ? buf_text(&folder) : ".", begin);
-    buf_release(&folder);
     for (size_t i = 0; i < listing.count && !quoted; i++)
         quoted = command_needs_quotes(join_path(&path, o->typed, leads, listing.name[i]));
     for (size_t i = 0; i < listing.count; i++) {
@@ -450,24 +444,20 @@ static void offer_files(const struct offers *o)
                     (struct note){0});
     }
     o->out->failed |= path.failed;
-    listing_release(&listing);
-    buf_release(&path);
 }
 
 /* Offer the existing golden images of the current journal. */
 static void offer_goldens(const struct offers *o)
 {
     static const char ending[] = ".exr";
-    struct golden_files files = {.folder = -1};
-    struct listing listing = {0};
+    OWNED(golden_files_close) struct golden_files files = {.folder = -1};
+    OWNED(listing_release) struct listing listing = {0};
     if (o->interp->home.length &&
         golden_files_open(&files, buf_text(&o->interp->home), NULL) == OK && files.folder >= 0)
         listing_read(&listing, buf_text(&files.path), o->typed);
     for (size_t i = 0; i < listing.count; i++)
         if (file_is_named(listing.name[i], ending))
             offer(o, listing.name[i], strlen(listing.name[i]) - strlen(ending), (struct note){0});
-    listing_release(&listing);
-    golden_files_close(&files);
 }
 
 /* ---- places in the history ---- */
@@ -512,15 +502,13 @@ static void offer_keys(const struct offers *o, const struct partial *partial)
 {
     const struct parameter *p = partial->command->parameter;
     for (int i = 0; p[i].type; i++) {
-        struct buf key = {0}, form = {0};
+        OWNED(buf_release) struct buf key = {0}, form = {0};
         struct note note = {0};
         buf_printf(&key, "%s=", p[i].name);
         usage_form(&form, &p[i]);
         note.text = command_note(partial->command, p[i].name, strlen(p[i].name), &note.length);
         if (p[i].keyed && (!partial->value[i].given || p[i].type == VALUE_LINE))
             offer(o, buf_text(&key), key.length, note.length ? note : note_of(buf_text(&form)));
-        buf_release(&form);
-        buf_release(&key);
     }
 }
 
@@ -556,7 +544,7 @@ void command_complete(struct buf *out, size_t *word_start, const char *line, siz
 void command_hint(struct buf *out, const char *line, size_t length)
 {
     struct partial p;
-    struct buf rest = {0};
+    OWNED(buf_release) struct buf rest = {0};
     bool knows = read_partial(&p, line, length);
     const bool begins = p.word.length == 0;
     if (p.words == 0 && !p.quoted) /* the name itself may be complete */
@@ -572,6 +560,5 @@ void command_hint(struct buf *out, const char *line, size_t length)
     const char *text = buf_text(&rest);
     buf_add_text(out, begins && *text == ' ' ? text + 1 : text);
     out->failed |= rest.failed;
-    buf_release(&rest);
     buf_release(&p.word);
 }

@@ -77,7 +77,7 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
 {
     const struct resume *resume = context;
     struct session *session = resume->interp->session;
-    struct reply reply = {0};
+    OWNED(reply_release) struct reply reply = {0};
     enum err err = interpreter_execute(resume->interp, command, &reply, fault);
     if (!err && resume->catches_up) {
         err = session_catch_up(session, fault);
@@ -86,7 +86,6 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
             add_digests(&reply.words, session);
     }
     buf_add_text(words, buf_text(&reply.words));
-    reply_release(&reply);
     return err;
 }
 
@@ -101,14 +100,13 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
                                struct fault *fault)
 {
     struct record judged = *record;
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     add_forest_words(&words, record->result);
     judged.result = buf_text(&words);
     resume->catches_up = true;
     enum err err =
         words.failed ? fault_memory(fault, "a record") : compare_record(resume, &judged, fault);
     resume->catches_up = false;
-    buf_release(&words);
     return err;
 }
 
@@ -151,15 +149,13 @@ static enum err replay_journal(struct interpreter *interp, const char *path, str
 static void clear_away(struct interpreter *interp, const char *path, struct buf *told)
 {
     const struct buf *bytes = journal_bytes(interp->journal);
-    struct buf words = {0}, folder = {0};
+    OWNED(buf_release) struct buf words = {0}, folder = {0};
     file_folder(&folder, path);
     if (!folder.failed)
         file_sweep(buf_text(&folder));
     golden_files_clear(path, buf_text(bytes), bytes->length, &words);
     if (told)
         buf_add_text(told, buf_text(&words));
-    buf_release(&words);
-    buf_release(&folder);
 }
 
 enum err interpreter_resume_journal(struct interpreter *interp, const char *path, struct buf *told,
@@ -340,7 +336,7 @@ static void finish_command(struct interpreter *interp, bool succeeded)
 enum err interpreter_execute(struct interpreter *interp, const char *line, struct reply *reply,
                              struct fault *fault)
 {
-    struct call call;
+    OWNED(call_release) struct call call = {0};
     reply_clear(reply);
     interp->shows_picture = false;
     canvas_release(&interp->shown);
@@ -363,7 +359,6 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
     if (!err)
         interp->acknowledged = recorded ? interp->history.records : 0;
     interp->unrecorded += !err && recorded && !interp->journal;
-    call_release(&call);
     mem_trim();
     return err;
 }
@@ -373,7 +368,7 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
 enum err interpreter_look(struct interpreter *interp, const char *line, struct reply *reply,
                           struct fault *fault)
 {
-    struct call call;
+    OWNED(call_release) struct call call = {0};
     reply_clear(reply);
     enum err err = command_parse(&call, line, interp->session, fault);
     if (err || !call.command)
@@ -396,7 +391,6 @@ enum err interpreter_look(struct interpreter *interp, const char *line, struct r
                         "%s: only questions and commands that change the view are allowed here; "
                         "nothing has changed",
                         call.command->name);
-    call_release(&call);
     return err;
 }
 
@@ -405,16 +399,13 @@ enum err interpreter_look(struct interpreter *interp, const char *line, struct r
 enum err interpreter_sketch(struct interpreter *interp, const char *line, struct fault *fault)
 {
     struct session *session = interp->session;
-    struct reply reply = {0};
-    struct call call;
+    OWNED(reply_release) struct reply reply = {0};
+    OWNED(call_release) struct call call = {0};
     enum err err = command_parse(&call, line, session, fault);
     if (err || !call.command)
         return err;
-    if (!session->has_scene || !(call.command->flags & COMMAND_SKETCHED)) {
-        err = fault_set(fault, ERR_USAGE, "%s cannot be sketched", call.command->name);
-        call_release(&call);
-        return err;
-    }
+    if (!session->has_scene || !(call.command->flags & COMMAND_SKETCHED))
+        return fault_set(fault, ERR_USAGE, "%s cannot be sketched", call.command->name);
     if (!interp->sketch.is_begun)
         interp->sketch = (struct sketch){.is_begun = true,
                                          .place = history_place(&interp->history),
@@ -426,8 +417,6 @@ enum err interpreter_sketch(struct interpreter *interp, const char *line, struct
     if (!err)
         err = history_note(&interp->history, session, buf_text(&reply.canonical), fault);
     finish_command(interp, err == OK);
-    reply_release(&reply);
-    call_release(&call);
     return err;
 }
 

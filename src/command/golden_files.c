@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/safe.h"
 #include "base/scan.h"
 #include "image/exr.h"
@@ -36,7 +37,7 @@ bool golden_note_is_of_its_time(const struct attribute *note)
 
 static enum err refuse_note(const struct attribute *note, const char *drawn, struct fault *fault)
 {
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     buf_add_safe_text(&words, note->name);
     buf_add_text(&words, " is ");
     buf_add_safe(&words, note->value, strnlen(note->value, 200));
@@ -46,9 +47,7 @@ static enum err refuse_note(const struct attribute *note, const char *drawn, str
     } else {
         buf_add_text(&words, ", which is no note of the new picture");
     }
-    const enum err err = fault_set(fault, ERR_CHECK, "its note %s", buf_text(&words));
-    buf_release(&words);
-    return err;
+    return fault_set(fault, ERR_CHECK, "its note %s", buf_text(&words));
 }
 
 static bool is_compared(const struct attribute *note, bool names_scene)
@@ -165,15 +164,14 @@ static int compare_chains(const void *a, const void *b)
 enum err golden_files_read(struct golden_files *files, const char *bytes, size_t length,
                            struct fault *fault)
 {
-    struct walk walk;
+    OWNED(walk_release) struct walk walk = {0};
     struct record record;
-    enum err err = walk_begin(&walk, bytes, length, fault);
+    const enum err err = walk_begin(&walk, bytes, length, fault);
     if (err)
         return err;
     while (walk_next(&walk, &record) == WALK_RECORD)
         add_record(files, &record, walk.chain.hex);
     files->last = walk.chain;
-    walk_release(&walk);
     if (files->named.failed || files->chains.failed)
         return fault_memory(fault, "names of files");
     if (files->chains.length)
@@ -203,40 +201,34 @@ static void take_note(struct maker *maker, const char *name, const char *value, 
 
 static void read_exr_notes(struct maker *maker, int fd)
 {
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     struct exr_attribute_bytes attribute;
     size_t at = 0;
     if (exr_header_read(&header, fd, NULL) == OK)
         while (exr_header_next(&header, &at, &attribute))
             if (strcmp(attribute.type, "string") == 0)
                 take_note(maker, attribute.name, attribute.value, attribute.length);
-    buf_release(&header);
 }
 
 static void read_png_notes(struct maker *maker, int fd)
 {
-    struct buf bytes = {0};
-    struct picture notes;
+    OWNED(buf_release) struct buf bytes = {0};
+    OWNED(picture_release) struct picture notes = {0};
     char *to = buf_reserve(&bytes, EXR_HEADER_MOST);
     const ssize_t n = to ? file_read_at(fd, to, EXR_HEADER_MOST, 0) : 0;
-    if (n > 0 && png_read_notes(&notes, to, (size_t)n, NULL) == OK) {
+    if (n > 0 && png_read_notes(&notes, to, (size_t)n, NULL) == OK)
         for (size_t i = 0; i < notes.attributes; i++)
             take_note(maker, notes.attribute[i].name, notes.attribute[i].value,
                       strlen(notes.attribute[i].value));
-        picture_release(&notes);
-    }
-    buf_release(&bytes);
 }
 
 /* "a" and "a.iftty" have one folder of golden images. */
 static bool is_of_neighbour(const struct golden_files *files, const char *journal)
 {
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     file_folder(&path, buf_text(&files->path));
     buf_printf(&path, "/%s", journal);
-    const bool is_there = path.failed || file_exists(buf_text(&path));
-    buf_release(&path);
-    return is_there;
+    return path.failed || file_exists(buf_text(&path));
 }
 
 /* Classify by notes: made after the last record, at another record, or by another journal. */
@@ -340,28 +332,26 @@ enum err golden_files_remove(const struct golden_files *files, const char *name,
 static enum err copy_one(const struct golden_files *files, const char *to, const char *name,
                          struct fault *fault)
 {
-    struct arena arena = {0};
+    OWNED(arena_release) struct arena arena = {0};
     struct buf *source = arena_buf(&arena), *target = arena_buf(&arena), *bytes = arena_buf(&arena);
     struct stat status;
-    enum err err = OK;
     buf_printf(source, "%s/%s", buf_text(&files->path), name);
     buf_printf(target, "%s/%s", to, name);
     if (arena_failed(&arena))
-        err = fault_memory(fault, "a path");
-    else if (lstat(buf_text(source), &status) != 0 || file_exists(buf_text(target)))
-        err = OK; /* missing, or named twice */
-    else if (S_ISLNK(status.st_mode)) {
-        char *real = realpath(buf_text(source), NULL);
-        if (real && symlink(real, buf_text(target)) != 0) /* a dangling link is left out */
-            err = fault_errno(fault, "make the link", buf_text(target));
-        free(real);
-    } else if (S_ISREG(status.st_mode)) {
-        err = file_read(bytes, buf_text(source), COPY_BYTES_MOST, fault);
-        if (!err)
-            err = file_write(buf_text(target), buf_text(bytes), bytes->length, FILE_KEEP, fault);
+        return fault_memory(fault, "a path");
+    if (lstat(buf_text(source), &status) != 0 || file_exists(buf_text(target)))
+        return OK; /* missing, or named twice */
+    if (S_ISLNK(status.st_mode)) {
+        OWNED(mem_release) char *real = realpath(buf_text(source), NULL);
+        return real && symlink(real, buf_text(target)) != 0 /* a dangling link is left out */
+                   ? fault_errno(fault, "make the link", buf_text(target))
+                   : OK;
     }
-    arena_release(&arena);
-    return err;
+    if (!S_ISREG(status.st_mode))
+        return OK;
+    const enum err err = file_read(bytes, buf_text(source), COPY_BYTES_MOST, fault);
+    return err ? err
+               : file_write(buf_text(target), buf_text(bytes), bytes->length, FILE_KEEP, fault);
 }
 
 enum err golden_files_copy(const struct golden_files *files, const char *to, struct fault *fault)
@@ -383,7 +373,7 @@ enum err golden_files_copy(const struct golden_files *files, const char *to, str
 
 void golden_files_clear(const char *journal, const char *bytes, size_t length, struct buf *told)
 {
-    struct golden_files files;
+    OWNED(golden_files_close) struct golden_files files = {.folder = -1};
     DIR *listing = NULL;
     if (golden_files_open(&files, journal, NULL) == OK && files.folder >= 0 &&
         golden_files_read(&files, bytes, length, NULL) == OK) {
@@ -404,5 +394,4 @@ void golden_files_clear(const char *journal, const char *bytes, size_t length, s
     }
     if (listing)
         closedir(listing);
-    golden_files_close(&files);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/confine.h"
+#include "base/mem.h"
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/command.h"
@@ -135,7 +136,7 @@ static enum err find_below(const struct interpreter *interp, const char *name, s
 static enum err find_file(const struct interpreter *interp, const char *name, struct buf *path,
                           const struct trust_sought *sought, struct fault *fault)
 {
-    struct buf folder = {0};
+    OWNED(buf_release) struct buf folder = {0};
     bool found = false;
     if (interpreter_is_wary(interp))
         return find_below(interp, name, path, sought, fault);
@@ -154,7 +155,6 @@ static enum err find_file(const struct interpreter *interp, const char *name, st
         found = length && try_folder(path, list, length, name);
         list += length + (list[length] == ':');
     }
-    buf_release(&folder);
     if (path->failed)
         return fault_memory(fault, "a path");
     if (!found)
@@ -198,7 +198,7 @@ enum err interpreter_find_file(const struct interpreter *interp, const char *nam
  * resolved without links. */
 static bool absolute_path(struct buf *out, const char *name)
 {
-    char *here = *name == '/' ? NULL : realpath(".", NULL);
+    OWNED(mem_release) char *here = *name == '/' ? NULL : realpath(".", NULL);
     buf_clear(out);
     if (here)
         buf_add_text(out, strcmp(here, "/") == 0 ? "" : here);
@@ -214,10 +214,8 @@ static bool absolute_path(struct buf *out, const char *name)
     }
     if (here)
         buf_add_char(out, '/');
-    const bool fine = here || *name == '/';
-    free(here);
     buf_add_text(out, name);
-    return fine && !out->failed;
+    return (here || *name == '/') && !out->failed;
 }
 
 /* out = the absolute path `path` relative to the folder, an absolute path without links; false if
@@ -259,13 +257,13 @@ static enum err check_unique(const char *here, const char *beside, const char *n
 static enum err make_relative(struct buf *out, const char *name, const char *journal,
                               struct fault *fault)
 {
-    struct arena arena = {0};
+    OWNED(arena_release) struct arena arena = {0};
     struct buf *folder = arena_buf(&arena), *beside = arena_buf(&arena);
     struct buf *path = arena_buf(&arena), *whole = arena_buf(&arena);
     file_from_home(path, name);
     file_folder(folder, journal);
     buf_printf(beside, "%s/%s", buf_text(folder), name);
-    char *real = realpath(buf_text(folder), NULL);
+    OWNED(mem_release) char *real = realpath(buf_text(folder), NULL);
     const bool is_whole = *buf_text(path) == '/';
     enum err err = is_whole ? OK : check_unique(name, buf_text(beside), name, fault);
     buf_clear(out);
@@ -285,11 +283,7 @@ static enum err make_relative(struct buf *out, const char *name, const char *jou
                             "changed",
                             name);
     }
-    if (out->failed || arena_failed(&arena))
-        err = fault_memory(fault, "a path");
-    free(real);
-    arena_release(&arena);
-    return err;
+    return out->failed || arena_failed(&arena) ? fault_memory(fault, "a path") : err;
 }
 
 enum err interpreter_settle_name(const struct interpreter *interp, struct call *call,
@@ -312,7 +306,7 @@ enum err interpreter_settle_name(const struct interpreter *interp, struct call *
     if ((p->is_scene && strncmp(name, "synth:", 6) == 0) || *name == '/' ||
         (!journal && !file_is_from_home(name)))
         return OK;
-    struct buf settled = {0};
+    OWNED(buf_release) struct buf settled = {0};
     enum err err = OK;
     if (journal)
         err = make_relative(&settled, name, journal, fault);
@@ -324,7 +318,6 @@ enum err interpreter_settle_name(const struct interpreter *interp, struct call *
         err = fault_memory(fault, "a path");
     if (!err)
         value->text = buf_text(&call->settled);
-    buf_release(&settled);
     return err;
 }
 
@@ -426,7 +419,7 @@ void interpreter_note_existing(struct interpreter *interp, const char *path, enu
 enum err interpreter_will_write(struct interpreter *interp, const char *path, enum file_mode mode,
                                 struct fault *fault)
 {
-    struct buf backup = {0};
+    OWNED(buf_release) struct buf backup = {0};
     enum err err = OK;
     if (interpreter_is_wary(interp))
         limits_will_write();
@@ -449,21 +442,20 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
         err = file_backup(&backup, path, fault);
     }
     const size_t made = interpreter_is_wary(interp) ? strlen(path) + 1 : 0;
-    if (!err && (!buf_reserve(&interp->written, strlen(path) + backup.length + 2) ||
-                 (made && !buf_reserve(&interp->made, made)))) {
+    if (err)
+        return err;
+    if (!buf_reserve(&interp->written, strlen(path) + backup.length + 2) ||
+        (made && !buf_reserve(&interp->made, made))) {
         if (backup.length)
             file_discard(buf_text(&backup));
         interp->made.failed =
             false; /* its content is still valid; interpreter_settle_files clears the other */
-        err = fault_memory(fault, "a file name");
+        return fault_memory(fault, "a file name");
     }
-    if (!err) { /* cannot fail: the memory is reserved */
-        buf_add(&interp->made, path, made);
-        buf_add(&interp->written, path, strlen(path) + 1);
-        buf_add(&interp->written, buf_text(&backup), backup.length + 1);
-    }
-    buf_release(&backup);
-    return err;
+    buf_add(&interp->made, path, made); /* cannot fail: the memory is reserved */
+    buf_add(&interp->written, path, strlen(path) + 1);
+    buf_add(&interp->written, buf_text(&backup), backup.length + 1);
+    return OK;
 }
 
 /* Remove the backups of a successful command; else restore the files. */

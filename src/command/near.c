@@ -7,6 +7,7 @@
 
 #include "base/choice.h"
 #include "base/least.h"
+#include "base/mem.h"
 
 /* Largest distance for a word of this length. */
 static unsigned limit_for(size_t length)
@@ -99,7 +100,7 @@ void near_lead(struct near *near, const char *choices, const char *known)
 
 enum err near_append(const struct near *near, const char *ending, struct fault *fault)
 {
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     if (!fault)
         return ERR_USAGE;
     const size_t count = near->count > NEAR_MOST ? 0 : near->count;
@@ -111,7 +112,6 @@ enum err near_append(const struct near *near, const char *ending, struct fault *
     buf_add_text(&words, count ? "?" : "");
     if (!words.failed)
         fault_append(fault, buf_text(&words));
-    buf_release(&words);
     return fault->code;
 }
 

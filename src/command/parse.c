@@ -8,6 +8,7 @@
 
 #include "base/choice.h"
 #include "base/file.h"
+#include "base/mem.h"
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/near.h"
@@ -247,7 +248,7 @@ static enum err read_label_range(struct value *value, const struct parameter *p,
 static enum err read_labels(struct value *value, const struct parameter *p, const char *word,
                             const struct known *known, struct fault *fault)
 {
-    struct buf item = {0};
+    OWNED(buf_release) struct buf item = {0};
     enum err err = *word ? OK : read_label(value, p, word, known, fault);
     for (const char *at = word; !err && *at; at += *at == ',') {
         const size_t length = strcspn(at, ",");
@@ -266,7 +267,6 @@ static enum err read_labels(struct value *value, const struct parameter *p, cons
     }
     value->number = 0;
     value->place[0] = 0;
-    buf_release(&item);
     return err;
 }
 
@@ -450,11 +450,9 @@ int command_parameter_for(const struct command *command, const struct value *val
 static enum err usage_fault(struct fault *fault, const struct command *command, const char *what,
                             const char *word)
 {
-    struct buf usage = {0};
+    OWNED(buf_release) struct buf usage = {0};
     command_usage(&usage, command);
-    enum err err = fault_set(fault, ERR_USAGE, "%s%s; usage: %s", what, word, buf_text(&usage));
-    buf_release(&usage);
-    return err;
+    return fault_set(fault, ERR_USAGE, "%s%s; usage: %s", what, word, buf_text(&usage));
 }
 
 /* Report a word "key=value" whose key is near a key of the command. */
@@ -544,13 +542,12 @@ static enum err read_words(struct call *call, unsigned count, const struct known
 /* Return the position of the word of this number; after the last word, one byte behind. */
 static const char *place_of_word(const char *line, unsigned number, const char *quotes)
 {
-    struct buf word = {0};
+    OWNED(buf_release) struct buf word = {0};
     const char *end = line;
     for (scan_blanks(&line); *line && number > 0; scan_blanks(&line), number--) {
         command_take_word(&line, &word, quotes);
         end = line;
     }
-    buf_release(&word);
     return *line ? line : end + 1;
 }
 
@@ -596,7 +593,7 @@ void command_point_at(const struct call *call, const char *line, struct fault *f
 {
     const struct parameter *p = call->command->parameter;
     const char *wrong = NULL, *at = line;
-    struct buf word = {0};
+    OWNED(buf_release) struct buf word = {0};
     for (int i = 0; p[i].type && !wrong; i++) {
         const char *text = call->value[i].text;
         if (text && contains_word(fault->text, text))
@@ -608,10 +605,9 @@ void command_point_at(const struct call *call, const char *line, struct fault *f
         command_take_word(&at, &word, call->quotes);
         if (start != line && strcmp(buf_text(&word), wrong) == 0) {
             at_place(fault->code, line, start, fault);
-            break;
+            return;
         }
     }
-    buf_release(&word);
 }
 
 void call_release(struct call *call)

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/mem.h"
 #include "base/scan.h"
 #include "command/command.h"
 #include "command/execute.h"
@@ -37,7 +38,7 @@ static bool is_comment(const char *line)
 
 bool script_opens_scene(FILE *input, bool *knows)
 {
-    struct buf line = {0}, word = {0};
+    OWNED(buf_release) struct buf line = {0}, word = {0};
     const off_t begin = ftello(input);
     bool opens = false;
     *knows = begin >= 0 && fseeko(input, begin, SEEK_SET) == 0;
@@ -50,8 +51,6 @@ bool script_opens_scene(FILE *input, bool *knows)
                                             : NULL;
         opens = command && command->act == act_open;
     }
-    buf_release(&line);
-    buf_release(&word);
     if (*knows) {
         clearerr(input);
         *knows = fseeko(input, begin, SEEK_SET) == 0;
@@ -82,6 +81,13 @@ struct run {
     const struct kept_settings *settings; /* before `record`, by the history, */
     struct kept kept;                     /* and the names of labels to read lines with */
 };
+
+static void run_release(struct run *run)
+{
+    walk_release(&run->walk);
+    buf_release(&run->journal);
+    buf_release(&run->comments);
+}
 
 static void next_record(struct run *run)
 {
@@ -131,7 +137,7 @@ static const struct kept *kept_then(struct run *run)
 static bool are_added(const struct call *call, const char *words)
 {
     const struct parameter *p = call->command->parameter;
-    struct buf word = {0};
+    OWNED(buf_release) struct buf word = {0};
     bool all = true;
     for (scan_blanks(&words); all && *words; scan_blanks(&words)) {
         buf_clear(&word);
@@ -140,7 +146,6 @@ static bool are_added(const struct call *call, const char *words)
         const int i = all ? command_parameter_for(call->command, call->value, &value) : -1;
         all = i >= 0 && p[i].added && !call->value[i].given;
     }
-    buf_release(&word);
     return all;
 }
 
@@ -169,7 +174,7 @@ static void add_quoted(struct buf *words, const char *line)
 
 static enum err report_difference(const struct run *run, const char *line, struct fault *fault)
 {
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     buf_add_text(&words, line ? "this line is" : "the script ends");
     if (line)
         add_quoted(&words, line);
@@ -177,12 +182,10 @@ static enum err report_difference(const struct run *run, const char *line, struc
     buf_add_safe_text(&words, journal_path(run->interp->journal));
     buf_add_text(&words, " is");
     add_quoted(&words, run->record.command);
-    fault_set(fault, ERR_INPUT,
-              "%s: the journal has another run, or was continued; nothing was added to it "
-              "(`--journal FILE` of a new name begins another)",
-              buf_text(&words));
-    buf_release(&words);
-    return ERR_INPUT;
+    return fault_set(fault, ERR_INPUT,
+                     "%s: the journal has another run, or was continued; nothing was added to it "
+                     "(`--journal FILE` of a new name begins another)",
+                     buf_text(&words));
 }
 
 /* Store the comments read so far with the next command. */
@@ -252,7 +255,7 @@ static enum err take_recorded(struct run *run, const char *line, bool *taken, st
 {
     const struct interpreter *interp = run->interp;
     const bool follows = run->mode == RECORDED_FOLLOWS;
-    struct call call;
+    OWNED(call_release) struct call call = {0};
     *taken = false;
     if (run->mode == RECORDED_UNDECIDED &&
         journal_count(interp->journal) > run->records) /* a question was recorded */
@@ -271,9 +274,7 @@ static enum err take_recorded(struct run *run, const char *line, bool *taken, st
     if (command_parse_by(&call, line, interp->session, kept,
                          fault)) /* interpreter_execute reports the error */
         return follows ? report_difference(run, line, fault) : OK;
-    const enum err err = call.command ? compare_line(run, line, &call, taken, reply, fault) : OK;
-    call_release(&call);
-    return err;
+    return call.command ? compare_line(run, line, &call, taken, reply, fault) : OK;
 }
 
 /* ---- answers ---- */
@@ -292,23 +293,21 @@ static void add_indented(struct buf *out, const struct buf *lines)
 void script_acknowledge(const struct interpreter *interp, const struct reply *reply,
                         const struct printer *printer)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     buf_printf(&text, interp->acknowledged ? "ok %zu " : "ok - ", interp->acknowledged);
     buf_add_safe(&text, buf_text(&reply->canonical), reply->canonical.length);
     buf_add_char(&text, '\n');
     add_indented(&text, &reply->text);
     printer->print(printer->context, buf_text(&text));
-    buf_release(&text);
 }
 
 static void print_warning(const struct printer *printer, const char *name, size_t line,
                           const struct fault *fault)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     buf_add_safe_text(&text, name);
     buf_printf(&text, ":%zu: %s\n", line, fault->text);
     printer->warn(printer->context, buf_text(&text));
-    buf_release(&text);
 }
 
 /* ---- runs ---- */
@@ -317,7 +316,7 @@ static void print_warning(const struct printer *printer, const char *name, size_
 static void report_rest(const struct run *run, size_t line)
 {
     const size_t other = run->other_comment;
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     buf_add_safe_text(&text, journal_path(run->interp->journal));
     if (line)
         buf_printf(&text, " has the lines before line %zu of ", line);
@@ -332,21 +331,17 @@ static void report_rest(const struct run *run, size_t line)
             "the comments before its record %zu are others than those of the script; they stay\n",
             other);
     run->printer->warn(run->printer->context, buf_text(&text));
-    buf_release(&text);
 }
 
 /* True for a question after the last record whose file was written by the interrupted run. */
 static bool was_answered(const struct run *run, const char *line)
 {
     struct interpreter *interp = run->interp;
-    struct call call;
-    if (run->mode != RECORDED_ENDS || !interp->found_existing ||
-        journal_count(interp->journal) > run->records ||
-        command_parse(&call, line, interp->session, NULL) != OK)
-        return false;
-    const bool is_question = call.command && !(call.command->flags & COMMAND_RECORDED);
-    call_release(&call);
-    return is_question;
+    OWNED(call_release) struct call call = {0};
+    return run->mode == RECORDED_ENDS && interp->found_existing &&
+           journal_count(interp->journal) <= run->records &&
+           command_parse(&call, line, interp->session, NULL) == OK && call.command &&
+           !(call.command->flags & COMMAND_RECORDED);
 }
 
 /* Execute a line, unless it is already recorded: then *taken. */
@@ -389,9 +384,9 @@ static bool next_line(const struct interpreter *interp, FILE *input, struct buf 
 enum err script_run(struct interpreter *interp, FILE *input, const char *name, bool keep_going,
                     const struct printer *printer, size_t *stopped, struct fault *fault)
 {
-    struct run run = {.interp = interp, .name = name, .printer = printer};
-    struct buf line = {0};
-    struct reply reply = {0};
+    OWNED(run_release) struct run run = {.interp = interp, .name = name, .printer = printer};
+    OWNED(buf_release) struct buf line = {0};
+    OWNED(reply_release) struct reply reply = {0};
     enum err first = begin_run(&run, input, fault);
     bool ends = first != OK;
     size_t number;
@@ -404,11 +399,10 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
         const enum err err = run_line(&run, buf_text(&line), number, &taken, &reply, fault);
         if (err) {
             /* Print the list to choose from before the error. */
-            struct buf text = {0};
+            OWNED(buf_release) struct buf text = {0};
             add_indented(&text, &reply.list);
             if (text.length)
                 printer->print(printer->context, buf_text(&text));
-            buf_release(&text);
             print_warning(printer, name, number, fault);
             first = first ? first : err;
             ends = !keep_going || err == ERR_CANCELLED;
@@ -419,8 +413,6 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
                 printer->show(printer->context, interp);
         }
     }
-    reply_release(&reply);
-    buf_release(&line);
     if (!first && interp->wish != WISH_QUIT && watch_fault(interp->session->watch, fault)) {
         *stopped = number;
         first = fault_set(fault, ERR_CANCELLED, "cancelled before this line");
@@ -432,10 +424,5 @@ enum err script_run(struct interpreter *interp, FILE *input, const char *name, b
     } else if (!ends && run.mode == RECORDED_ENDS && !run.goes_on) {
         report_rest(&run, 0);
     }
-    walk_release(&run.walk);
-    buf_release(&run.journal);
-    buf_release(&run.comments);
-    if (!first && ferror(input))
-        return fault_set(fault, ERR_IO, "cannot read %s", name);
-    return first;
+    return !first && ferror(input) ? fault_set(fault, ERR_IO, "cannot read %s", name) : first;
 }

@@ -220,7 +220,7 @@ static enum path_kind look_in(struct buf *path, const char *folder, size_t lengt
 static enum path_kind look_everywhere(struct buf *path, const char *home, const char *scenes,
                                       const char *name)
 {
-    struct buf folder = {0};
+    OWNED(buf_release) struct buf folder = {0};
     file_folder(&folder, home);
     enum path_kind answer = look_in(path, buf_text(&folder), folder.length, name);
     while (answer == PATH_IS_MISSING && *scenes) {
@@ -230,7 +230,6 @@ static enum path_kind look_everywhere(struct buf *path, const char *home, const 
         scenes += length + (scenes[length] == ':');
     }
     path->failed |= folder.failed;
-    buf_release(&folder);
     return answer;
 }
 
@@ -266,20 +265,19 @@ static enum err check_answer(enum path_kind answer, const char *name,
 static enum path_kind look_at_other(struct buf *other, const struct buf *path, const char *name)
 {
     const size_t length = path->length - strlen(name) - 1;
-    struct buf folder = {0};
+    OWNED(buf_release) struct buf folder = {0};
     enum path_kind answer = PATH_IS_FILE;
     buf_add(&folder, path->data, length);
     if (pair_other(other, buf_text(path)) && !folder.failed)
         answer = path_kind_below(buf_text(&folder), buf_text(other) + length + 1);
     other->failed |= folder.failed;
-    buf_release(&folder);
     return answer;
 }
 
 enum err trust_find(struct buf *path, const char *home, const char *scenes, const char *name,
                     const struct trust_sought *sought, struct fault *fault)
 {
-    struct buf other = {0};
+    OWNED(buf_release) struct buf other = {0};
     enum path_kind answer = look_everywhere(path, home, scenes, name);
     const char *last = name;
     if (!path->failed && answer == PATH_IS_FILE) {
@@ -289,10 +287,8 @@ enum err trust_find(struct buf *path, const char *home, const char *scenes, cons
             answer = PATH_IS_SPECIAL;
         last = answer == PATH_IS_FILE || sought->by_proof ? name : buf_text(&other) + length;
     }
-    const enum err err = path->failed || other.failed ? fault_memory(fault, "a path")
-                                                      : check_answer(answer, last, sought, fault);
-    buf_release(&other);
-    return err;
+    return path->failed || other.failed ? fault_memory(fault, "a path")
+                                        : check_answer(answer, last, sought, fault);
 }
 
 /* ---- elsewhere ---- */
@@ -312,25 +308,22 @@ static bool is_regular(const char *path)
  * header next to a link could select voxels few enough to be guessed. */
 static bool take_pair(struct buf *path)
 {
-    struct buf other = {0};
+    OWNED(buf_release) struct buf other = {0};
     if (!file_is_named(buf_text(path), PAIR_HEADERS "|" PAIR_VOXELS))
         return true;
-    char *real = realpath(buf_text(path), NULL);
+    OWNED(mem_release) char *real = realpath(buf_text(path), NULL);
+    OWNED(mem_release)
     char *real_other = pair_other(&other, buf_text(path)) ? realpath(buf_text(&other), NULL) : NULL;
-    bool fine = real && real_other && pair_other(&other, real) &&
-                strcmp(real_other, buf_text(&other)) == 0 && is_regular(real_other);
+    const bool fine = real && real_other && pair_other(&other, real) &&
+                      strcmp(real_other, buf_text(&other)) == 0 && is_regular(real_other);
     buf_clear(path);
     buf_add_text(path, fine ? real : "");
-    fine = fine && !other.failed && !path->failed;
-    free(real);
-    free(real_other);
-    buf_release(&other);
-    return fine;
+    return fine && !other.failed && !path->failed;
 }
 
 bool trust_find_outside(struct buf *path, const char *home, const char *scenes, const char *name)
 {
-    struct buf other = {0};
+    OWNED(buf_release) struct buf other = {0};
     bool leads_out = trust_leads_out(name);
     if (!leads_out) {
         enum path_kind answer = look_everywhere(path, home, scenes, name);
@@ -343,31 +336,27 @@ bool trust_find_outside(struct buf *path, const char *home, const char *scenes, 
         file_folder(path, home);
         buf_printf(path, "/%s", name);
     }
-    leads_out = leads_out && !path->failed && is_regular(buf_text(path)) &&
-                !file_is_named(buf_text(path), HEADERS_ALONE) && !other.failed && take_pair(path);
-    buf_release(&other);
-    return leads_out;
+    return leads_out && !path->failed && is_regular(buf_text(path)) &&
+           !file_is_named(buf_text(path), HEADERS_ALONE) && !other.failed && take_pair(path);
 }
 
 /* ---- golden images ---- */
 
 enum path_kind trust_look_at_golden(const char *path, bool *leads_out)
 {
-    struct buf goldens = {0}, folder = {0};
+    OWNED(buf_release) struct buf goldens = {0}, folder = {0};
     struct stat status;
     file_folder(&goldens, path);
     file_folder(&folder, buf_text(&goldens));
     const char *name = path + (file_name(buf_text(&goldens)) - buf_text(&goldens));
     const bool failed = goldens.failed || folder.failed;
-    enum path_kind answer = failed ? PATH_IS_OUTSIDE : path_kind_below(buf_text(&folder), name);
+    const enum path_kind answer =
+        failed ? PATH_IS_OUTSIDE : path_kind_below(buf_text(&folder), name);
     *leads_out = /* its last part is a link to a regular file */
         answer == PATH_IS_OUTSIDE && !failed &&
         path_kind_below(buf_text(&folder), file_name(buf_text(&goldens))) == PATH_IS_FOLDER &&
         lstat(path, &status) == 0 && S_ISLNK(status.st_mode) && is_regular(path);
-    answer = *leads_out ? PATH_IS_FILE : answer;
-    buf_release(&goldens);
-    buf_release(&folder);
-    return answer;
+    return *leads_out ? PATH_IS_FILE : answer;
 }
 
 /* ---- confinement ---- */

@@ -454,15 +454,9 @@ enum err session_take_rest(const struct session *session, uint16_t **rest, struc
 {
     const struct packed *packed = session->now.kept.rest;
     *rest = packed ? mem_array(session->scene->grid.voxels, sizeof **rest) : NULL;
-    if (!packed)
-        return OK;
-    const enum err err = *rest ? packed_take_out(packed, *rest, session->watch, fault)
-                               : fault_memory(fault, "the regions that are kept");
-    if (err) {
-        free(*rest);
-        *rest = NULL;
-    }
-    return err;
+    return !packed ? OK
+           : *rest ? packed_take_out(packed, *rest, session->watch, fault)
+                   : fault_memory(fault, "the regions that are kept");
 }
 
 enum err session_set_range(struct session *session, const struct decimal range[2],

@@ -414,7 +414,7 @@ enum err session_set_weight_map(struct session *session, const char *name, const
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
                           const uint32_t regions[2], const uint16_t *rest, struct fault *fault);
 
-/* Take out these regions, an array that the caller frees; NULL for none. */
+/* Take out these regions, an array that the caller frees, also on error; NULL for none. */
 enum err session_take_rest(const struct session *session, uint16_t **rest, struct fault *fault);
 enum err session_set_range(struct session *session, const struct decimal range[2],
                            struct fault *fault);
