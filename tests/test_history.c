@@ -619,13 +619,13 @@ STORY(what_is_put_away_comes_back)
     for (size_t length = 0; length <= BYTES; length = length * 5 + 1) {
         for (size_t i = 0; i < length; i++)
             bytes[i] = (unsigned char)(i % 7 ? below(4) : below(256));
-        struct packed *packed;
+        struct packed *packed, *again;
         CHECK(packed_new(&packed, bytes, length, NULL, NULL) == OK);
-        CHECK(packed && packed_length(packed) == length);
-        packed_release(packed_hold(packed));
+        again = packed_hold(packed);
+        packed_release(&again);
         memset(back, 0, sizeof back);
         CHECK(packed_take_out(packed, back, NULL, NULL) == OK && memcmp(bytes, back, length) == 0);
-        packed_release(packed);
+        packed_release(&packed);
     }
     for (unsigned few = 0; few < 2; few++) {
         struct packed *packed;

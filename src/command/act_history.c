@@ -51,8 +51,7 @@ static enum err go_by(const struct act *act, bool back)
     const size_t wanted = (size_t)act_number_or(act, "COUNT", 1);
     size_t count = wanted;
     uint32_t to;
-    const enum err err = back ? history_before(history, &count, &to, act->fault)
-                              : history_after(history, &count, &to, act->fault);
+    const enum err err = history_step(history, back, &count, &to, act->fault);
     if (err)
         return err;
     if (count < wanted)

@@ -44,7 +44,7 @@ enum err between_find(unsigned *axes, uint8_t *map, const struct markers *marker
                       struct fault *fault)
 {
     struct task task = task_begin(watch, "outlines", 0);
-    bool *has = mem_array(GRID_SIDE_MOST, sizeof *has);
+    OWNED(mem_release) bool *has = mem_array(GRID_SIDE_MOST, sizeof *has);
     *axes = 0;
     if (!has)
         return fault_memory(fault, "outlines");
@@ -59,7 +59,6 @@ enum err between_find(unsigned *axes, uint8_t *map, const struct markers *marker
                 map[cell] = BETWEEN_OUTLINED;
         }
     }
-    free(has);
     return watch_fault(watch, fault);
 }
 
@@ -258,23 +257,24 @@ enum err between_fill(uint8_t *map, struct between_tally *tally, const struct gr
                       const uint32_t spacing_nm[3], int axis, struct team *team,
                       struct watch *watch, struct fault *fault)
 {
+    OWNED(mem_release)
+    struct section *section = mem_array(grid->size[axis], sizeof *section);
     struct filling f = {.map = map,
                         .grid = grid,
                         .spacing_nm = spacing_nm,
                         .axis = axis,
                         .across = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2},
-                        .section = mem_array(grid->size[axis], sizeof *f.section),
+                        .section = section,
                         .team = team,
                         .watch = watch,
                         .fault = fault};
-    enum err err = f.section ? OK : fault_memory(fault, "outlines");
     *tally = (struct between_tally){0};
-    if (!err) {
-        measure_sections(&f);
-        err = watch_fault(watch, fault);
-    }
+    if (!section)
+        return fault_memory(fault, "outlines");
+    measure_sections(&f);
+    enum err err = watch_fault(watch, fault);
     for (uint32_t k = 0; !err && k < grid->size[axis]; k++) {
-        if (!f.section[k].count)
+        if (!section[k].count)
             continue;
         if (tally->sections++ == 0)
             tally->first = k;
@@ -282,6 +282,5 @@ enum err between_fill(uint8_t *map, struct between_tally *tally, const struct gr
             err = fill_gap(&f, tally->last, k, tally);
         tally->last = k;
     }
-    free(f.section);
     return err;
 }

@@ -80,9 +80,11 @@ static enum err add_seeds(struct confined *c, const struct voxels *seeds,
 {
     const struct session *session = c->session;
     const struct scene *from = session->scene;
-    bool *is_within = mem_new(c->scene->grid.cells);
-    enum err err = is_within ? OK : fault_memory(fault, "a tree");
-    for (size_t i = 0; !err && i < within->count; i++)
+    OWNED(mem_release) bool *is_within = mem_new(c->scene->grid.cells);
+    enum err err = OK;
+    if (!is_within)
+        return fault_memory(fault, "a tree");
+    for (size_t i = 0; i < within->count; i++)
         is_within[in_box(c, within->cell[i])] = true;
     for (struct grid_walk w = scene_walk(c->scene, "a tree", NULL, 0);
          !err && grid_walk_next(&w);) {
@@ -98,7 +100,6 @@ static enum err add_seeds(struct confined *c, const struct voxels *seeds,
         if (may_enter(c, seeds->cell[i]))
             err =
                 edits_add(&c->edits, (struct edit){in_box(c, seeds->cell[i]), c->label, 0}, fault);
-    free(is_within);
     return err;
 }
 

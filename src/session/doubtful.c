@@ -34,10 +34,7 @@ static enum err area_init(struct area *area, const struct grid *grid, unsigned a
     const size_t voxels = (size_t)area->width * area->height;
     area->piece = mem_new(voxels);
     area->queue = mem_array(voxels, sizeof *area->queue);
-    if (area->piece && area->queue)
-        return OK;
-    area_release(area);
-    return fault_memory(fault, "a contour");
+    return area->piece && area->queue ? OK : fault_memory(fault, "a contour");
 }
 
 static void find_place(const struct area *area, uint32_t column, uint32_t row, uint32_t place[3])
@@ -161,15 +158,13 @@ static bool find_piece(struct area *area, int64_t from, uint32_t *first)
     return true;
 }
 
-/* Trace the piece with `from`; if there is no such piece, the largest one. Releases the area. */
+/* Trace the piece with `from`; if there is no such piece, the largest one. */
 static enum err trace(struct polyline *contour, struct area *area, int64_t from,
                       struct fault *fault)
 {
     uint32_t first;
-    const bool fits = (!find_piece(area, from, &first) && !find_largest(area, &first)) ||
-                      trace_border(contour, area, first);
-    area_release(area);
-    if (!fits) {
+    if ((find_piece(area, from, &first) || find_largest(area, &first)) &&
+        !trace_border(contour, area, first)) {
         polyline_release(contour);
         return fault_memory(fault, "a contour");
     }
@@ -186,7 +181,7 @@ enum err contour_of_label(struct polyline *contour, const struct labels *labels,
                           unsigned axis, const uint32_t place[3], struct fault *fault)
 {
     const struct grid *grid = &labels->scene->grid;
-    struct area area;
+    OWNED(area_release) struct area area = {0};
     const enum err err = area_init(&area, grid, axis, place[axis], fault);
     if (err)
         return err;
@@ -239,7 +234,7 @@ enum err contour_of_marker(struct polyline *contour, const struct grid *grid,
     const struct marker *marker = &markers->marker[number - 1];
     uint32_t first[3], place[3];
     const unsigned axis = find_box(first, place, grid, markers, number);
-    struct area area;
+    OWNED(area_release) struct area area = {0};
     if (axis == 3)
         return OK;
     const enum err err = area_init(&area, grid, axis, first[axis], fault);
@@ -311,7 +306,7 @@ static enum err copy_doubt(struct doubt *copy, const struct doubt *doubt, struct
 enum err doubtful_find(struct doubtful_slice slice[DOUBTFUL_MOST], size_t *count,
                        struct session *session, unsigned label, struct fault *fault)
 {
-    struct doubt left = {.all = 0};
+    OWNED(doubt_release) struct doubt left = {.all = 0};
     enum err err = update_doubt(session, label, fault);
     *count = 0;
     err = err ? err : copy_doubt(&left, &session->inside->doubting.doubt, fault);
@@ -325,7 +320,6 @@ enum err doubtful_find(struct doubtful_slice slice[DOUBTFUL_MOST], size_t *count
         slice[*count] = (struct doubtful_slice){axis, at, left.slice[axis][at]};
         leave_out(&left, axis, (int64_t)at - DOUBTFUL_APART + 1, (int64_t)at + DOUBTFUL_APART - 1);
     }
-    doubt_release(&left);
     return OK;
 }
 

@@ -363,17 +363,15 @@ enum err session_set_weight_map(struct session *session, const char *name, const
                                 struct fault *fault)
 {
     struct state next = session->now;
-    struct packed *map;
-    enum err err = packed_new(&map, weight, session->scene->grid.voxels * sizeof *weight,
-                              session->watch, fault);
+    OWNED(packed_release) struct packed *map = NULL;
+    const enum err err = packed_new(&map, weight, session->scene->grid.voxels * sizeof *weight,
+                                    session->watch, fault);
     if (err)
         return err;
     next.kept.weight = (struct weight_choice){.kind = WEIGHT_FILE};
     next.kept.weight_map = map;
     set_words(next.kept.weight_file, name);
-    err = session_go(session, &next, NULL, 0, fault);
-    packed_release(map);
-    return err;
+    return session_go(session, &next, NULL, 0, fault);
 }
 
 /* Count voxels outside the region where a run would plant a seed: the last edit of each voxel
@@ -382,7 +380,8 @@ static enum err count_waiting(const struct roi *roi, const struct scene *scene,
                               const struct edit *pending, size_t pendings, size_t *waiting,
                               struct fault *fault)
 {
-    uint64_t *rank = mem_array(pendings, sizeof *rank); /* cell, and index of the edit */
+    /* cell, and index of the edit */
+    OWNED(mem_release) uint64_t *rank = mem_array(pendings, sizeof *rank);
     size_t count = 0;
     if (!rank)
         return fault_memory(fault, "a region of interest");
@@ -394,7 +393,6 @@ static enum err count_waiting(const struct roi *roi, const struct scene *scene,
     for (size_t i = 0; !err && i < count; i++)
         *waiting += pending[(uint32_t)rank[i]].label != EDIT_ERASE &&
                     (i + 1 == count || rank[i + 1] >> 32 != rank[i] >> 32);
-    free(rank);
     return err;
 }
 
@@ -428,26 +426,21 @@ enum err session_set_mask(struct session *session, const uint64_t *mask, const c
 {
     const struct roi roi = {mask, session->roi.low, session->roi.high};
     struct state next = session->now;
-    struct packed *packed = NULL, *packed_rest = NULL;
+    OWNED(packed_release) struct packed *packed = NULL, *packed_rest = NULL;
     enum err err = check_region(session, &roi, fault);
     if (!err && mask)
         err = packed_new(&packed, mask, mask_bytes(&session->scene->grid), session->watch, fault);
     if (!err && rest)
         err = packed_new(&packed_rest, rest, session->scene->grid.voxels * sizeof *rest,
                          session->watch, fault);
-    if (err) {
-        packed_release(packed);
+    if (err)
         return err;
-    }
     next.kept.mask = packed;
     next.kept.rest = packed_rest;
     set_words(next.kept.mask_file, mask ? name : "");
     for (int i = 0; i < 2; i++)
         next.kept.mask_regions[i] = mask ? regions[i] : 0;
-    err = session_go(session, &next, NULL, 0, fault);
-    packed_release(packed);
-    packed_release(packed_rest);
-    return err;
+    return session_go(session, &next, NULL, 0, fault);
 }
 
 enum err session_take_rest(const struct session *session, uint16_t **rest, struct fault *fault)

@@ -82,8 +82,7 @@ static struct kept_settings *kept_settings_new(const struct kept_settings *like,
     struct kept_settings *settings =
         ground ? mem_new(sizeof *settings + pieces * sizeof *settings->piece) : NULL;
     if (!settings) {
-        if (is_own)
-            free(ground);
+        free(is_own ? ground : NULL);
         return NULL;
     }
     settings->holders = 1;
@@ -167,12 +166,9 @@ static size_t point_memory(const struct point *point, const struct point *parent
               sizeof *settings->ground / settings->ground->holders) /
              settings->holders;
     bytes += edit_lists_memory(&point->lists);
-    if (kept.mask && before.mask != kept.mask)
-        bytes += packed_memory(kept.mask);
-    if (kept.rest && before.rest != kept.rest)
-        bytes += packed_memory(kept.rest);
-    if (kept.weight_map && before.weight_map != kept.weight_map)
-        bytes += packed_memory(kept.weight_map);
+    bytes += before.mask == kept.mask ? 0 : packed_memory(kept.mask);
+    bytes += before.rest == kept.rest ? 0 : packed_memory(kept.rest);
+    bytes += before.weight_map == kept.weight_map ? 0 : packed_memory(kept.weight_map);
     return bytes;
 }
 
@@ -198,26 +194,6 @@ static uint32_t parent_of(const struct history *history, uint32_t at)
     return history->point[at].parent;
 }
 
-/* Take up to *count steps from the present point, and set *count to the steps taken. */
-static uint32_t walk_points(const struct history *history, size_t *count,
-                            uint32_t (*step)(const struct history *history, uint32_t at))
-{
-    const size_t wanted = *count;
-    uint32_t at = history->present, next;
-    for (*count = 0; *count < wanted && (next = step(history, at)) != POINT_NONE; ++*count)
-        at = next;
-    return at;
-}
-
-enum err history_before(const struct history *history, size_t *count, uint32_t *point,
-                        struct fault *fault)
-{
-    *point = walk_points(history, count, parent_of);
-    return *count
-               ? OK
-               : fault_set(fault, ERR_INPUT, "there is nothing to undo since the scene was opened");
-}
-
 /* The point after `at` for redo: on the present branch, otherwise the one visited last. */
 static uint32_t child_of(const struct history *history, uint32_t at)
 {
@@ -240,11 +216,21 @@ static uint32_t next_of(const struct history *history, uint32_t at)
     return next;
 }
 
-enum err history_after(const struct history *history, size_t *count, uint32_t *point,
-                       struct fault *fault)
+enum err history_step(const struct history *history, bool back, size_t *count, uint32_t *point,
+                      struct fault *fault)
 {
-    *point = walk_points(history, count, next_of);
-    return *count ? OK : fault_set(fault, ERR_INPUT, "there is nothing to do again");
+    const size_t wanted = *count;
+    *point = history->present;
+    for (*count = 0; *count < wanted; ++*count) {
+        const uint32_t next = (back ? parent_of : next_of)(history, *point);
+        if (next == POINT_NONE)
+            break;
+        *point = next;
+    }
+    return *count ? OK
+                  : fault_set(fault, ERR_INPUT,
+                              back ? "there is nothing to undo since the scene was opened"
+                                   : "there is nothing to do again");
 }
 
 /* Index of the branch with this name; history->branches if no branch has it. */
@@ -358,7 +344,7 @@ enum err history_go(struct history *history, struct session *session, uint32_t t
 {
     const struct point *there = history->point + to;
     struct state state = session->now;
-    struct edit *edit;
+    OWNED(mem_release) struct edit *edit = NULL;
     size_t seeds;
     enum err err = edits_of_way(&edit, &seeds, history, to, session->watch, fault);
     state.kept = kept_settings_get(there->settings);
@@ -368,7 +354,6 @@ enum err history_go(struct history *history, struct session *session, uint32_t t
     history->goes_to = to;
     history->goes_on = branch;
     history->moves_tip = moves_tip;
-    free(edit);
     return err;
 }
 

@@ -94,13 +94,11 @@ struct kept kept_settings_get(const struct kept_settings *settings);
 
 /* ---- ways between points ---- */
 
-/* Find the point *count commands before the present one, or after it on the way it came (a
+/* Find the point *count commands `back` from the present one, or after it on the way it came (a
  * stroke of several records counts as one). If there are fewer, *count becomes their number.
  * ERR_INPUT if it is 0. */
-enum err history_before(const struct history *history, size_t *count, uint32_t *point,
-                        struct fault *fault);
-enum err history_after(const struct history *history, size_t *count, uint32_t *point,
-                       struct fault *fault);
+enum err history_step(const struct history *history, bool back, size_t *count, uint32_t *point,
+                      struct fault *fault);
 
 /* Find the point after record `number`, or the tip of the branch `name`, with its branch in
  * *branch. ERR_INPUT. */

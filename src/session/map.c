@@ -180,16 +180,11 @@ bool *map_regions(const struct volume *map)
 
 /* ---- numbering by a list ---- */
 
-/* The numbers of a list, in order. */
+/* The numbers of a list, in order. At the beginning: {list, 1, 0}. */
 struct numbers {
     const char *at;
     int64_t next, last;
 };
-
-static struct numbers numbers_of(const char *list)
-{
-    return (struct numbers){list, 1, 0};
-}
 
 static bool take_number(struct numbers *numbers, uint32_t *number)
 {
@@ -204,7 +199,7 @@ static bool take_number(struct numbers *numbers, uint32_t *number)
 static enum err refuse_list(const struct kept *kept, const char *list, unsigned fits,
                             struct fault *fault)
 {
-    struct numbers numbers = numbers_of(list);
+    struct numbers numbers = {list, 1, 0};
     unsigned count = 0;
     uint32_t low = 0, high = 0;
     for (uint32_t r; take_number(&numbers, &r); count++)
@@ -240,7 +235,7 @@ enum err numbering_take(struct kept *kept, struct numbering_tally *tally, const 
                         const struct markers *markers, struct fault *fault)
 {
     bool planted[LABELS];
-    struct numbers numbers = numbers_of(list);
+    struct numbers numbers = {list, 1, 0};
     find_planted(planted, markers);
     *tally = (struct numbering_tally){0};
     for (uint32_t r; take_number(&numbers, &r);) {
@@ -257,7 +252,7 @@ enum err numbering_take(struct kept *kept, struct numbering_tally *tally, const 
         tally->added += !kept->label_is_region[label];
         kept->label_is_region[label] = true;
     }
-    numbers = numbers_of(list);
+    numbers = (struct numbers){list, 1, 0};
     for (uint32_t r; take_number(&numbers, &r);) {
         int label = numbering_find(kept, r);
         if (label != NUMBER_UNKNOWN)
@@ -474,11 +469,15 @@ static enum err rank_numbers(uint32_t *table, struct volume *map, uint32_t first
                              struct fault *fault)
 {
     const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
-    bool *has = mem_new(VALUES * sizeof *has), is_wide = false;
-    uint32_t *number = mem_new(VALUES * sizeof *number), count = 1;
-    for (size_t i = 0; has && i < voxels; i++)
+    OWNED(mem_release) bool *has = mem_new(VALUES * sizeof *has);
+    OWNED(mem_release) uint32_t *number = mem_new(VALUES * sizeof *number);
+    uint32_t count = 1;
+    bool is_wide = false;
+    if (!has || !number)
+        return fault_memory(fault, "a map");
+    for (size_t i = 0; i < voxels; i++)
         has[map->intensity[i]] = true;
-    for (uint32_t k = 0; has && number && k < VALUES; k++) {
+    for (uint32_t k = 0; k < VALUES; k++) {
         const uint32_t i = map->geometry.slope < 0 ? VALUES - 1 - k : k; /* by rising numbers */
         double n;
         if (!has[i] || table[i] == ODD || !take_whole(&n, map, i) || n < first || n > last)
@@ -488,8 +487,9 @@ static enum err rank_numbers(uint32_t *table, struct volume *map, uint32_t first
         is_wide |= n > REGION_MOST;
         has[i] = false;
     }
-    const bool fits = has && number && count <= REGION_MOST + 1;
-    for (uint32_t k = 0, rank = 0; fits && is_wide && k < VALUES; k++) {
+    if (count > REGION_MOST + 1)
+        return fault_set(fault, ERR_LIMIT, "it has more than %d regions", REGION_MOST);
+    for (uint32_t k = 0, rank = 0; is_wide && k < VALUES; k++) {
         const uint32_t i = map->geometry.slope < 0 ? VALUES - 1 - k : k;
         double n;
         if (table[i] == ODD || !take_whole(&n, map, i) || n < first || n > last)
@@ -498,14 +498,11 @@ static enum err rank_numbers(uint32_t *table, struct volume *map, uint32_t first
             rank++;
         table[i] = number[rank] == (uint32_t)n ? rank : REGION_NONE;
     }
-    free(has);
-    if (fits && is_wide)
+    if (is_wide) {
         map->number = number;
-    else
-        free(number);
-    return fits            ? OK
-           : has && number ? fault_set(fault, ERR_LIMIT, "it has more than %d regions", REGION_MOST)
-                           : fault_memory(fault, "a map");
+        number = NULL;
+    }
+    return OK;
 }
 
 /* Replace intensities by the whole numbers they represent: those in first..last unchanged, but for
@@ -513,14 +510,12 @@ static enum err rank_numbers(uint32_t *table, struct volume *map, uint32_t first
 static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint32_t beyond,
                         const char *holds, struct watch *watch, struct fault *fault)
 {
-    uint32_t *table = mem_array(VALUES, sizeof *table);
-    if (map->is_coarse) {
-        free(table);
+    OWNED(mem_release) uint32_t *table = mem_array(VALUES, sizeof *table);
+    if (map->is_coarse)
         return fault_set(fault, ERR_INPUT,
                          "its whole numbers span more than the 65536 that a map can hold; %s; "
                          "nothing has changed",
                          holds);
-    }
     if (!table)
         return fault_memory(fault, "a map");
     bool is_wide = false;
@@ -530,11 +525,8 @@ static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint3
         is_wide |= is_in && n > REGION_MOST && beyond != ODD;
         table[i] = !is_whole ? (uint32_t)ODD : is_in && n < ODD ? (uint32_t)n : beyond;
     }
-    enum err err = is_wide ? rank_numbers(table, map, first, last, fault) : OK;
-    if (!err)
-        err = translate(map, table, holds, watch, fault);
-    free(table);
-    return err;
+    const enum err err = is_wide ? rank_numbers(table, map, first, last, fault) : OK;
+    return err ? err : translate(map, table, holds, watch, fault);
 }
 
 enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct watch *watch,
@@ -704,12 +696,6 @@ enum err regions_table(uint16_t **as, const struct regions *regions, const struc
     return OK;
 }
 
-/* True if the label of a number is among those of a range. */
-static bool range_makes(const struct region_range *range, uint32_t number)
-{
-    return number >= range->as && number - range->as <= range->last - range->first;
-}
-
 void regions_list(bool listed[LABELS], const struct regions *regions, struct kept *kept)
 {
     uint64_t count = 0;
@@ -720,8 +706,12 @@ void regions_list(bool listed[LABELS], const struct regions *regions, struct kep
             if (numbering_find(kept, regions->range[i].as + k) == NUMBER_UNKNOWN)
                 numbering_add(kept, regions->range[i].as + k, NULL);
     for (unsigned label = 1; label < LABELS; label++)
-        for (size_t i = 0; i < regions->count && numbering_of(kept, label); i++)
-            listed[label] |= range_makes(&regions->range[i], numbering_of(kept, label));
+        for (size_t i = 0; i < regions->count && numbering_of(kept, label); i++) {
+            const struct region_range *range = &regions->range[i];
+            const uint32_t number = numbering_of(kept, label);
+            listed[label] |=
+                number >= range->as && number - range->as <= range->last - range->first;
+        }
 }
 
 enum err regions_check(const struct regions *regions, const struct kept *kept, struct fault *fault)
@@ -741,7 +731,7 @@ enum err regions_check(const struct regions *regions, const struct kept *kept, s
 enum err numbering_admit(struct kept *kept, const struct volume *map, const struct regions *regions,
                          const struct markers *markers, struct fault *fault)
 {
-    bool *has = map_regions(map);
+    OWNED(mem_release) bool *has = map_regions(map);
     if (!has)
         return fault_memory(fault, "the regions");
     unsigned wanted = 0;
@@ -762,7 +752,6 @@ enum err numbering_admit(struct kept *kept, const struct volume *map, const stru
         kept->label_is_region[label] = true;
         wanted--;
     }
-    free(has);
     return wanted
                ? fault_set(fault, ERR_LIMIT,
                            "more than 255 labels at a time, by %u; choose some with regions=, as "

@@ -135,7 +135,7 @@ void session_place(struct session *session, const struct kept *kept)
 static enum err open_file(struct session *session, const char *path,
                           const struct volume_choice *choice, struct fault *fault)
 {
-    struct volume volume = {0};
+    OWNED(volume_release) struct volume volume = {0};
     struct volume_reader reader;
     enum err err = volume_open(&reader, path, choice, session->watch, fault);
     if (!err)
@@ -151,9 +151,10 @@ static enum err open_file(struct session *session, const char *path,
     if (!err)
         err =
             scene_new_plain(&session->scene, volume.size, volume.intensity, session->watch, fault);
-    if (!err)
-        volume.intensity = NULL;
-    if (!err && (volume.choice.has_crop || volume.choice.reduce)) {
+    if (err)
+        return err;
+    volume.intensity = NULL;
+    if (volume.choice.has_crop || volume.choice.reduce) {
         session->part.choice = volume.choice;
         struct volume_choice *part = &session->part.choice; /* without the options of the command */
         part->data = part->proof = part->series_name = part->skip = NULL;
@@ -161,15 +162,12 @@ static enum err open_file(struct session *session, const char *path,
         memcpy(session->part.whole, volume.whole, sizeof volume.whole);
         memcpy(session->part.size, volume.size, sizeof volume.size);
     }
-    if (!err) {
-        session->said = volume.geometry;
-        session->levels = volume.levels;
-        volume.levels = NULL;
-        session->series = volume.series;
-        memcpy(session->open_notes, volume.notes, sizeof session->open_notes);
-    }
-    volume_release(&volume);
-    return err;
+    session->said = volume.geometry;
+    session->levels = volume.levels;
+    volume.levels = NULL;
+    session->series = volume.series;
+    memcpy(session->open_notes, volume.notes, sizeof session->open_notes);
+    return OK;
 }
 
 /* Make the objects of a scene under the settings of the session. On errors the caller releases

@@ -355,7 +355,7 @@ enum err paint_ring(struct voxels *out, const struct grid *grid, const struct vo
                     struct fault *fault)
 {
     struct task task = task_begin(watch, "a ring", 0);
-    struct brush brush = {0};
+    OWNED(brush_release) struct brush brush = {0};
     struct sheet sheet;
     enum err err = brush_init(&brush, (uint32_t[]){1, 1, 1}, width, BRUSH_REACH_MOST, fault);
     if (err)
@@ -371,6 +371,5 @@ enum err paint_ring(struct voxels *out, const struct grid *grid, const struct vo
     err = outcome(out, fits && (watch_fault(watch, NULL) || collect_cells(out, &sheet, grid)),
                   watch, fault);
     free(sheet.bit);
-    brush_release(&brush);
     return err;
 }

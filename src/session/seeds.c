@@ -138,26 +138,23 @@ enum err session_remove_markers(struct session *session, const uint32_t *number,
     return err;
 }
 
-/* Cells of pending seeds, sorted in the upper halves of numbers, so that a ball of eliminators
- * in a ball of seeds is fast. A pending seed that was erased before any run is excluded. */
-struct waiting_cells {
-    uint64_t *at;
-    size_t count;
-};
-
-static enum err find_waiting(struct waiting_cells *waiting, const struct session *session,
+/* Find the cells of pending seeds, sorted in the upper halves of numbers, so that a ball of
+ * eliminators in a ball of seeds is fast. A pending seed that was erased before any run is
+ * excluded. The caller frees *waiting, even on errors. */
+static enum err find_waiting(uint64_t **waiting, size_t *count, const struct session *session,
                              struct fault *fault)
 {
     const struct edit *pending = edits_first(&session->now.lists.pending);
-    const size_t pendings = edits_count(&session->now.lists.pending);
-    *waiting = (struct waiting_cells){mem_array(pendings, sizeof *waiting->at), 0};
-    if (!waiting->at)
+    const size_t pendings = session_pendings(session);
+    *waiting = mem_array(pendings, sizeof **waiting);
+    *count = 0;
+    if (!*waiting)
         return fault_memory(fault, "eliminators");
     for (size_t i = 0; i < pendings; i++)
         if (pending[i].label != EDIT_ERASE &&
             markers_seed(&session->markers, pending[i].cell) != EDIT_ERASE)
-            waiting->at[waiting->count++] = (uint64_t)pending[i].cell << 32;
-    return sort_by_upper_half(waiting->at, waiting->count, session->watch, fault);
+            (*waiting)[(*count)++] = (uint64_t)pending[i].cell << 32;
+    return sort_by_upper_half(*waiting, *count, session->watch, fault);
 }
 
 static int compare_numbers(const void *a, const void *b)
@@ -166,20 +163,20 @@ static int compare_numbers(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-static bool seed_waits(const struct waiting_cells *waiting, uint32_t cell)
+static bool seed_waits(const uint64_t *waiting, size_t count, uint32_t cell)
 {
     const uint64_t at = (uint64_t)cell << 32;
-    return bsearch(&at, waiting->at, waiting->count, sizeof at, compare_numbers) != NULL;
+    return bsearch(&at, waiting, count, sizeof at, compare_numbers) != NULL;
 }
 
 static enum err report_no_tree(const struct session *session, struct fault *fault)
 {
-    struct waiting_cells waiting;
-    enum err err = find_waiting(&waiting, session, fault);
-    free(waiting.at);
+    OWNED(mem_release) uint64_t *waiting = NULL;
+    size_t count;
+    const enum err err = find_waiting(&waiting, &count, session, fault);
     if (err)
         return err;
-    if (forest_seeds(session->forest) == 0 && waiting.count > 0)
+    if (forest_seeds(session->forest) == 0 && count > 0)
         return fault_set(fault, ERR_INPUT,
                          "no tree holds this voxel yet: seeds wait for `run`; nothing has changed");
     return fault_set(fault, ERR_INPUT,
@@ -191,21 +188,21 @@ static enum err report_no_tree(const struct session *session, struct fault *faul
 static enum err find_seeds(const struct session *session, const uint32_t *cell, size_t count,
                            uint32_t **seed, size_t *seeds, struct fault *fault)
 {
-    struct waiting_cells waiting;
+    OWNED(mem_release) uint64_t *waiting = NULL;
+    size_t waits;
     struct task task = task_begin(session->watch, "eliminators", count);
-    enum err err = find_waiting(&waiting, session, fault);
+    enum err err = find_waiting(&waiting, &waits, session, fault);
     *seed = mem_array(count, sizeof **seed);
     *seeds = 0;
     if (!err && !*seed)
         err = fault_memory(fault, "eliminators");
     for (size_t i = 0; !err && i < count && task_advance(&task, 1); i++) {
         const struct cell *at = session->scene->cell + cell[i];
-        if (seed_waits(&waiting, cell[i]))
+        if (seed_waits(waiting, waits, cell[i]))
             (*seed)[(*seeds)++] = cell[i];
         else if (cell_is_reached(at))
             (*seed)[(*seeds)++] = key_root(at->key);
     }
-    free(waiting.at);
     return err ? err : watch_fault(session->watch, fault);
 }
 
@@ -219,7 +216,8 @@ enum err session_find_markers(const struct session *session, const uint32_t *cel
     *numbers = 0;
     /* seeds first, then markers */
     enum err err = find_seeds(session, cell, count, number, &seeds, fault);
-    bool *holds = mem_new(markers->count + 1); /* for each marker: one of its seeds was found */
+    /* for each marker: one of its seeds was found */
+    OWNED(mem_release) bool *holds = mem_new(markers->count + 1);
     if (!err && !holds)
         err = fault_memory(fault, "eliminators");
     for (size_t i = 0; !err && i < seeds && task_advance(&task, 1); i++) {
@@ -229,7 +227,6 @@ enum err session_find_markers(const struct session *session, const uint32_t *cel
     for (size_t n = 1; !err && n <= markers->count; n++)
         if (holds[n] && markers->marker[n - 1].label != EDIT_ERASE)
             (*number)[(*numbers)++] = (uint32_t)n;
-    free(holds);
     err = err ? err : watch_fault(session->watch, fault);
     return err || *numbers ? err : report_no_tree(session, fault);
 }
@@ -261,25 +258,24 @@ enum proposal session_find_proposal(const struct session *session)
 enum err session_erase_trees(struct session *session, const uint32_t *cell, size_t count,
                              struct fault *fault)
 {
-    uint32_t *seed;
+    OWNED(mem_release) uint32_t *seed = NULL;
     size_t seeds;
-    enum err err = find_seeds(session, cell, count, &seed, &seeds, fault);
-    if (!err)
-        err = seeds ? session_plant(session, seed, seeds, EDIT_ERASE, 0, fault)
-                    : report_no_tree(session, fault);
-    free(seed);
-    return err;
+    const enum err err = find_seeds(session, cell, count, &seed, &seeds, fault);
+    return err     ? err
+           : seeds ? session_plant(session, seed, seeds, EDIT_ERASE, 0, fault)
+                   : report_no_tree(session, fault);
 }
 
 enum err session_erase_seeds(struct session *session, const uint32_t *seed, size_t count,
                              struct fault *fault)
 {
-    struct waiting_cells waiting;
-    enum err err = find_waiting(&waiting, session, fault);
+    OWNED(mem_release) uint64_t *waiting = NULL;
+    size_t waits;
+    const enum err err = find_waiting(&waiting, &waits, session, fault);
     for (size_t i = 0; !err && i < count; i++)
-        if (!(session->scene->cell[seed[i]].flags & CELL_SEED) && !seed_waits(&waiting, seed[i]))
-            err = fault_set(fault, ERR_CHECK, "no seed is planted where one was taken away");
-    free(waiting.at);
+        if (!(session->scene->cell[seed[i]].flags & CELL_SEED) &&
+            !seed_waits(waiting, waits, seed[i]))
+            return fault_set(fault, ERR_CHECK, "no seed is planted where one was taken away");
     return err ? err : session_plant(session, seed, count, EDIT_ERASE, 0, fault);
 }
 
@@ -294,16 +290,14 @@ enum err session_run(struct session *session, struct fault *fault)
 {
     struct state next = session->now;
     struct edit_lists *lists = &next.lists;
-    struct edits batch = lists->pending;
-    if (edits_count(&batch) == 0)
+    if (session_pendings(session) == 0)
         return OK;
+    OWNED(edits_release) struct edits batch = lists->pending;
+    edits_hold(&batch);
     lists->pending = (struct edits){0};
     lists->eliminators.first += lists->applied;
     lists->applied = edits_count(&lists->eliminators);
-    edits_hold(&batch);
-    enum err err = session_go(session, &next, edits_first(&batch), edits_count(&batch), fault);
-    edits_release(&batch);
-    return err;
+    return session_go(session, &next, edits_first(&batch), edits_count(&batch), fault);
 }
 
 /* ---- the effect of an eliminator ---- */
@@ -343,43 +337,26 @@ static void count_marker(struct held *held, const struct session *session)
     }
 }
 
-static enum err find_marker(struct held *held, const struct session *session, uint32_t cell,
-                            struct fault *fault)
-{
-    uint32_t *number;
-    size_t numbers;
-    enum err err = session_find_markers(session, &cell, 1, &number, &numbers, fault);
-    if (!err) {
-        held->marker = *number;
-        count_marker(held, session);
-    }
-    free(number);
-    return err;
-}
-
-static enum err find_tree(struct held *held, const struct session *session, uint32_t cell,
-                          struct fault *fault)
-{
-    uint32_t *seed;
-    size_t seeds;
-    enum err err = find_seeds(session, &cell, 1, &seed, &seeds, fault);
-    if (!err && !seeds)
-        err = fault_set(fault, ERR_INPUT, "no tree holds this voxel");
-    if (!err) {
-        const int16_t label = markers_seed(&session->markers, *seed);
-        held->seed = *seed;
-        held->label = (uint8_t)(label == EDIT_ERASE ? session->scene->cell[*seed].label : label);
-        count_seed(held, session, *seed);
-    }
-    free(seed);
-    return err;
-}
-
 enum err session_find_held(struct held *held, const struct session *session, uint32_t cell,
                            bool tree, struct fault *fault)
 {
+    OWNED(mem_release) uint32_t *found = NULL; /* the seed or the number of the marker */
+    size_t count;
     *held = (struct held){.seed = CELL_NONE};
-    return tree ? find_tree(held, session, cell, fault) : find_marker(held, session, cell, fault);
+    const enum err err = tree ? find_seeds(session, &cell, 1, &found, &count, fault)
+                              : session_find_markers(session, &cell, 1, &found, &count, fault);
+    if (err || !count)
+        return err ? err : fault_set(fault, ERR_INPUT, "no tree holds this voxel");
+    if (!tree) {
+        held->marker = *found;
+        count_marker(held, session);
+        return OK;
+    }
+    const int16_t label = markers_seed(&session->markers, *found);
+    held->seed = *found;
+    held->label = (uint8_t)(label == EDIT_ERASE ? session->scene->cell[*found].label : label);
+    count_seed(held, session, *found);
+    return OK;
 }
 
 bool session_is_held(const struct session *session, const struct held *held, uint32_t cell)

@@ -85,6 +85,8 @@ const uint8_t *session_finished(const struct session *session)
 
 static enum err make_finished(struct session *session, struct fault *fault)
 {
+    struct finished *kept = &session->inside->finished;
+    OWNED(finished_release)
     struct finished made = {.cells = session->scene->grid.cells,
                             .of = session_finish_source(session)};
     enum err err = finish_make(&made.label, &session->now.kept.finish, session->scene,
@@ -93,12 +95,11 @@ static enum err make_finished(struct session *session, struct fault *fault)
         return err;
     made.digest = labels_digest(&(struct labels){session->scene, made.label}, session->team);
     err = watch_fault(session->scene->watch, fault);
-    if (err) {
-        finished_release(&made);
+    if (err)
         return err;
-    }
-    finished_release(&session->inside->finished);
-    session->inside->finished = made;
+    const struct finished former = *kept;
+    *kept = made;
+    made = former;
     return OK;
 }
 
@@ -124,11 +125,9 @@ uint64_t session_finished_digest(const struct session *session)
 enum err session_find_stats(struct session *session, const struct labels *labels,
                             struct label_stats *stats, struct fault *fault)
 {
-    struct label_measures once = {0};
+    OWNED(label_measures_release) struct label_measures once = {0};
     struct label_measures *measures = labels->finished ? &once : &session->inside->measures;
-    const enum err err = label_stats_find(stats, measures, labels, session->team, fault);
-    label_measures_release(&once);
-    return err;
+    return label_stats_find(stats, measures, labels, session->team, fault);
 }
 
 enum err session_sum_label(struct session *session, unsigned label, struct label_sums *sums,
@@ -207,7 +206,7 @@ static void update_hints(struct session *session)
 static enum err make_hints(struct session *session, bool with_heat, struct fault *fault)
 {
     struct hinting *h = &session->inside->hinting;
-    uint16_t *margin;
+    OWNED(mem_release) uint16_t *margin = NULL;
     enum err err = margin_new(&margin, session->forest, fault);
     if (!err && with_heat && !(h->heat = mem_new(h->cells)))
         err = fault_memory(fault, "the heat");
@@ -215,7 +214,6 @@ static enum err make_hints(struct session *session, bool with_heat, struct fault
         err = hints_find(&h->hints, session->forest, margin, h->heat, fault);
     if (!err)
         err = put_worst_first(&h->hints, session, fault);
-    free(margin);
     h->has_hints = err == OK;
     if (err)
         hinting_release(h);
@@ -364,10 +362,9 @@ static size_t scene_memory(const struct session *session)
     bytes += forest_memory(session->forest) + session->inside->weight_work.capacity;
     bytes += border_memory(&session->border);
     bytes += session->inside->mask_room ? mask_bytes(&session->scene->grid) : 0;
-    bytes += kept->mask ? packed_memory(kept->mask) : 0;
-    bytes += kept->rest ? packed_memory(kept->rest) : 0;
+    bytes += packed_memory(kept->mask) + packed_memory(kept->rest);
     bytes += session->levels ? sizeof *session->levels : 0;
-    return bytes + (kept->weight_map ? packed_memory(kept->weight_map) : 0);
+    return bytes + packed_memory(kept->weight_map);
 }
 
 struct session_memory session_memory_parts(const struct session *session)

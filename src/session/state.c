@@ -49,23 +49,21 @@ enum err packed_new(struct packed **out, const void *bytes, size_t length, struc
                     struct fault *fault)
 {
     const size_t room = compressBound(length) + 64; /* for the parts that are deflated separately */
-    struct packed *packed = mem_new(sizeof *packed);
+    OWNED(packed_release) struct packed *packed = mem_new(sizeof *packed);
     *out = NULL;
     if (!packed)
         return fault_memory(fault, "a map");
     packed->holders = 1;
     packed->length = length;
     packed->bytes = mem_array(room, 1);
-    enum err err = packed->bytes && deflate_all(packed, bytes, room, watch)
-                       ? watch_fault(watch, fault)
-                       : fault_memory(fault, "a map");
-    if (err) {
-        packed_release(packed);
+    const enum err err = packed->bytes && deflate_all(packed, bytes, room, watch)
+                             ? watch_fault(watch, fault)
+                             : fault_memory(fault, "a map");
+    if (err)
         return err;
-    }
     unsigned char *exact = realloc(packed->bytes, packed->packed_length);
     packed->bytes = exact ? exact : packed->bytes;
-    *out = packed;
+    *out = packed_hold(packed);
     return OK;
 }
 
@@ -76,12 +74,13 @@ struct packed *packed_hold(struct packed *packed)
     return packed;
 }
 
-void packed_release(struct packed *packed)
+void packed_release(struct packed **packed)
 {
-    if (!packed || --packed->holders > 0)
-        return;
-    free(packed->bytes);
-    free(packed);
+    if (*packed && --(*packed)->holders == 0) {
+        free((*packed)->bytes);
+        free(*packed);
+    }
+    *packed = NULL;
 }
 
 /* Memory for the tables of inflating and its window of 32 kB: about 40 kB with zlib. */
@@ -160,14 +159,9 @@ enum err packed_take_out(const struct packed *packed, void *out, struct watch *w
     return packed_read(packed, take_copy, &to, watch, fault);
 }
 
-size_t packed_length(const struct packed *packed)
-{
-    return packed->length;
-}
-
 size_t packed_memory(const struct packed *packed)
 {
-    return sizeof *packed + packed->packed_length;
+    return packed ? sizeof *packed + packed->packed_length : 0;
 }
 
 /* ---- lists of edits ---- */
@@ -336,10 +330,9 @@ void kept_hold(const struct kept *kept)
 
 void kept_release(struct kept *kept)
 {
-    packed_release(kept->weight_map);
-    packed_release(kept->mask);
-    packed_release(kept->rest);
-    kept->weight_map = kept->mask = kept->rest = NULL;
+    packed_release(&kept->weight_map);
+    packed_release(&kept->mask);
+    packed_release(&kept->rest);
 }
 
 void state_release(struct state *state)

@@ -223,9 +223,10 @@ struct packed;
 enum err packed_new(struct packed **packed, const void *bytes, size_t length, struct watch *watch,
                     struct fault *fault);
 
-/* Add or remove a holder; the last one frees it. Both accept NULL. */
+/* Add or remove a holder; the last one frees it. Both accept NULL; a released pointer becomes
+ * NULL. */
 struct packed *packed_hold(struct packed *packed);
-void packed_release(struct packed *packed);
+void packed_release(struct packed **packed);
 
 /* Read the bytes in order, in pieces of PACKED_PIECE bytes (the last may be shorter), each
  * passed to `take` once. ERR_MEMORY if the inflater needs more memory than zlib is known to need;
@@ -235,12 +236,11 @@ enum err packed_read(const struct packed *packed,
                      void (*take)(void *context, const void *piece, size_t length), void *context,
                      struct watch *watch, struct fault *fault);
 
-/* Copy all packed_length bytes to `out`. Errors as above. */
+/* Copy all bytes to `out`. Errors as above. */
 enum err packed_take_out(const struct packed *packed, void *out, struct watch *watch,
                          struct fault *fault);
 
-/* Number of bytes before and after packing. */
-size_t packed_length(const struct packed *packed);
+/* Number of bytes in use; 0 for NULL. */
 size_t packed_memory(const struct packed *packed);
 
 #endif
