@@ -202,7 +202,7 @@ static void remove_it(struct interpreter *interp)
     struct golden_files files;
     OWNED(buf_release) struct buf bytes = {0};
     (void)interp;
-    CHECK(golden_files_open(&files, "s.iftty", &fault) == OK);
+    CHECK(golden_files_open(&files, "s.iftty", false, &fault) == OK);
     CHECK(file_read(&bytes, "s.iftty", 1 << 20, &fault) == OK);
     CHECK(golden_files_read(&files, buf_text(&bytes), bytes.length, &fault) == OK);
     if (may_fail && steps_left == 0) {

@@ -217,7 +217,7 @@ static void has_goldens(void)
     unsigned images = 0, names = 0;
     char path[PATH_LENGTH];
     CHECK(file_read(&bytes, HERE "j.iftty", JOURNAL_BYTES_MAX, NULL) == OK &&
-          golden_files_open(&files, HERE "j.iftty", NULL) == OK &&
+          golden_files_open(&files, HERE "j.iftty", false, NULL) == OK &&
           golden_files_read(&files, buf_text(&bytes), bytes.length, NULL) == OK);
     const char *at = buf_text(&files.named), *end = at + files.named.length;
     DIR *listing = opendir(HERE "j.golden");

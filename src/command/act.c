@@ -321,8 +321,3 @@ void act_add_digest(const struct act *act, const char *key, uint64_t digest)
     buf_add_blank(&act->reply->words);
     buf_printf(&act->reply->words, "%s=%016llx", key, (unsigned long long)digest);
 }
-
-void act_add_weights(const struct act *act)
-{
-    act_add_digest(act, "weights", act->session->weight_digest);
-}

@@ -118,9 +118,8 @@ enum err act_write_losses(struct interpreter *interp, const struct labels *label
 /* The same for a picture: without `finished=`, use the setting `finished on|off`. */
 enum err act_take_shown(const struct act *act, struct labels *labels);
 
-/* Add "KEY=DIGEST" to the words of the record; and the digest of the weights. */
+/* Add "KEY=DIGEST" to the words of the record. */
 void act_add_digest(const struct act *act, const char *key, uint64_t digest);
-void act_add_weights(const struct act *act);
 
 /* Return the position required of a map (`resample`), and the volume chosen in its file. */
 struct map_place act_map_place(const struct act *act);

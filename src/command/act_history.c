@@ -129,7 +129,7 @@ static enum err take_goldens_along(struct buf *made, const struct journal *from,
 {
     const struct buf *bytes = journal_bytes(from);
     OWNED(golden_files_close) struct golden_files source = {.folder = -1};
-    enum err err = golden_files_open(&source, journal_path(from), fault);
+    enum err err = golden_files_open(&source, journal_path(from), false, fault);
     if (!err)
         err = golden_files_read(&source, buf_text(bytes), bytes->length, fault);
     if (!err)

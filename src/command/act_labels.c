@@ -209,7 +209,7 @@ static enum err keep_copy(const struct act *act, const struct volume *map,
     enum err err = find_copy(path, act, digest);
     if (err || !path->length || only_looks || file_exists(buf_text(path)))
         return err;
-    err = golden_files_make(&files, buf_text(&interp->home), act->fault);
+    err = golden_files_open(&files, buf_text(&interp->home), true, act->fault);
     golden_files_close(&files);
     if (!err)
         err = interpreter_will_write(interp, buf_text(path), FILE_KEEP, act->fault);

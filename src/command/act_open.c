@@ -109,29 +109,27 @@ static enum err read_parameters(struct volume_choice *choice, const char **name,
         !read_three(choice->spacing_nm, act_text(act, "spacing"), 6))
         err =
             fault_set(fault, ERR_USAGE, "spacing: expected X,Y,Z in millimetres, as 0.5,0.5,1.25");
+    /* Old records may have parameters about a file for a synthetic scene. */
+    if (!err && strncmp(*name, "synth:", 6) == 0 && act->interp->mode == MODE_LIVE &&
+        act_has(act, "series|data|missing|skip|size|type|endian|offset|spacing|huge|private|"
+                     "straighten"))
+        err = fault_set(fault, ERR_USAGE,
+                        "series, data, missing, skip, spacing, huge and straighten are for files, "
+                        "not for synthetic scenes; nothing was opened");
     return err;
 }
 
 /* The initial weight. */
 
-enum { PLACES_NUMBER = 0, PLACES_DECIMAL = 3 };
-#define ARGUMENT_RANGE(name, type, least, most)                                                    \
-    {                                                                                              \
-        PLACES_##type, least, most                                                                 \
-    }
-static const struct {
-    unsigned places;
-    int64_t least, most;
-} argument[] = {WEIGHT_ARGUMENTS(ARGUMENT_RANGE, ARGUMENT_RANGE)};
-
 /* Read ":1.5" or nothing, for a weight of this row. */
 static bool scan_argument(uint32_t *out, const char *text, const struct weight_row *row)
 {
+    const struct parameter *p = weight_parameter + row->takes;
     int64_t number = row->usual;
-    if (*text && (row->takes == WEIGHT_TAKES_NOTHING || !scan_text(&text, ":") ||
-                  !scan_decimal(&text, argument[row->takes].places, argument[row->takes].least,
-                                argument[row->takes].most, &number) ||
-                  *text))
+    if (*text &&
+        (row->takes == WEIGHT_TAKES_NOTHING || !scan_text(&text, ":") ||
+         !scan_decimal(&text, p->type == VALUE_DECIMAL ? 3 : 0, p->least, p->most, &number) ||
+         *text))
         return false;
     *out = (uint32_t)number;
     return number != 0 || row->takes == WEIGHT_TAKES_NOTHING;
@@ -209,19 +207,6 @@ static enum err find_scene(const struct act *act, const char *name, bool by_proo
     return err;
 }
 
-/* Reject parameters about a file for a synthetic scene. Old records may have them. */
-static enum err check_words(const struct act *act, const char *name)
-{
-    if (strncmp(name, "synth:", 6) == 0 && act->interp->mode == MODE_LIVE &&
-        act_has(act, "series|data|missing|skip|size|type|endian|offset|spacing|huge|private|"
-                     "straighten"))
-        return fault_set(act->fault, ERR_USAGE,
-                         "series, data, missing, skip, spacing, huge and straighten are for files, "
-                         "not for synthetic scenes; nothing was "
-                         "opened");
-    return OK;
-}
-
 /* A new record ends in weight=NAME, so that it means the same under another default; a record
  * without it means `morph`. */
 static enum err take_first_weight(const struct act *act, bool *recorded)
@@ -295,7 +280,9 @@ static void write_canonical(const struct act *act, bool has_weight)
         buf_add_text(canonical, row->name);
         if (weight->argument != row->usual)
             buf_printf(canonical, ":%g",
-                       argument[row->takes].places ? weight->argument / 1000.0 : weight->argument);
+                       weight_parameter[row->takes].type == VALUE_DECIMAL
+                           ? weight->argument / 1000.0
+                           : weight->argument);
     }
 }
 
@@ -311,8 +298,6 @@ enum err act_open(const struct act *act)
     enum err err = read_parameters(&choice, &name, act);
     choice.as_recorded = act->interp->mode != MODE_LIVE;
     choice.list = choice.as_recorded ? NULL : &act->reply->list;
-    if (!err)
-        err = check_words(act, name);
     if (!err)
         err = take_first_weight(act, &has_weight);
     const bool by_proof = !err && has_proof(act, &choice, proof);

@@ -113,7 +113,7 @@ static enum err write_golden(struct interpreter *interp, const char *name, const
     struct buf *png = arena_buf(&interp->arena);
     enum err err = interp->journal ? journal_sync(interp->journal, fault) : OK;
     if (!err)
-        err = golden_files_make(&files, buf_text(&interp->home), fault);
+        err = golden_files_open(&files, buf_text(&interp->home), true, fault);
     if (err)
         return err;
     buf_printf(png, "%s/%s.png", buf_text(&files.path), name);

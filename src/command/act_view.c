@@ -25,7 +25,7 @@
 static enum err add_weights(const struct act *act, enum err err)
 {
     if (!err)
-        act_add_weights(act);
+        act_add_digest(act, "weights", act->session->weight_digest);
     return err;
 }
 
@@ -52,25 +52,23 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     return err;
 }
 
-#define ARGUMENT_NAME(name, type, least, most) name
-
 /* Read the parameters of a weight: those of its row, and no others. */
 static enum err take_argument(struct weight_choice *choice, const struct act *act)
 {
-    static const char *const name[] = {WEIGHT_ARGUMENTS(ARGUMENT_NAME, ARGUMENT_NAME)};
     const struct weight_row *row = &weight_table[choice->kind];
     const char *other =
         choice->kind == WEIGHT_FILE ? NULL : call_given(act->call, "resample|volume|data");
     for (unsigned i = WEIGHT_ARGUMENT_COUNT; i-- > 0;)
-        other = act_has(act, name[i]) && row->takes != i ? name[i] : other;
+        if (act_has(act, weight_parameter[i].name) && row->takes != i)
+            other = weight_parameter[i].name;
     if (other)
         return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` has none", other, row->name);
     if (row->takes == WEIGHT_TAKES_NOTHING)
         return OK;
-    if (!act_has(act, name[row->takes]) && !row->usual)
-        return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` needs one", name[row->takes],
-                         row->name);
-    choice->argument = (uint32_t)act_number_or(act, name[row->takes], row->usual);
+    const char *name = weight_parameter[row->takes].name;
+    if (!act_has(act, name) && !row->usual)
+        return fault_set(act->fault, ERR_USAGE, "%s: `weight %s` needs one", name, row->name);
+    choice->argument = (uint32_t)act_number_or(act, name, row->usual);
     return OK;
 }
 
@@ -155,20 +153,9 @@ enum err act_mask(const struct act *act)
                             : session_set_mask(act->session, NULL, NULL, NULL, NULL, act->fault));
 }
 
-/* Count the voxels of the scene whose level contains an end of the range. */
-static size_t count_unsure(const struct session *session, const struct decimal range[2])
-{
-    const struct interval interval = levels_within(&session->geometry, session->levels, range);
-    struct grid_walk walk = scene_walk(session->scene, "levels", NULL, 0);
-    size_t voxels = 0;
-    while (interval.split[0] >= 0 && grid_walk_next(&walk))
-        for (uint32_t c = walk.row.first; c < walk.row.end; c++)
-            voxels += interval_splits(&interval, session->scene->cell[c].intensity);
-    return voxels;
-}
-
 enum err act_range(const struct act *act)
 {
+    struct session *session = act->session;
     const bool is_range = !act_text(act, "LOW");
     const struct decimal range[2] = {act_value(act, "LOW")->real[0],
                                      act_value(act, "HIGH")->real[0]};
@@ -177,11 +164,18 @@ enum err act_range(const struct act *act)
                          "expected LOW and HIGH, or none alone; nothing has changed");
     if (is_range && decimal_value(&range[1]) < decimal_value(&range[0]))
         return fault_set(act->fault, ERR_USAGE, "HIGH is below LOW; nothing has changed");
-    enum err err = session_set_range(act->session, is_range ? range : NULL, act->fault);
+    enum err err = session_set_range(session, is_range ? range : NULL, act->fault);
     err = add_roi(act, err);
-    if (!err && is_range)
-        act_write_unsure(act, count_unsure(act->session, range));
-    return err;
+    if (err || !is_range)
+        return err;
+    const struct interval interval = levels_within(&session->geometry, session->levels, range);
+    size_t unsure = 0;
+    struct grid_walk walk = scene_walk(session->scene, "levels", NULL, 0);
+    while (interval.split[0] >= 0 && grid_walk_next(&walk))
+        for (uint32_t c = walk.row.first; c < walk.row.end; c++)
+            unsure += interval_splits(&interval, session->scene->cell[c].intensity);
+    act_write_unsure(act, unsure);
+    return OK;
 }
 
 static int32_t whole_turn(int64_t angle)
@@ -486,7 +480,7 @@ static void report_setting(const struct act *act, enum setting_says what)
     const struct outlook *outlook = &act->session->now.outlook;
     const size_t waits = session_pendings(act->session);
     if (what == SAYS_WEIGHTS)
-        act_add_weights(act);
+        act_add_digest(act, "weights", act->session->weight_digest);
     else if (what == SAYS_SLICES)
         act_write_slices(out, act->session);
     else if (what == SAYS_WAITING && outlook->runs_by_itself && waits)

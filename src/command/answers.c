@@ -242,34 +242,22 @@ static void write_part(struct buf *out, const struct map_part *part)
     buf_add_text(out, choice->straightens ? ", straightened\n" : "\n");
 }
 
-#define UNIT_NUMBER  1.0
-#define UNIT_DECIMAL 1000.0
-#define PLAIN_ARGUMENT(name, type, least, most)                                                    \
-    {                                                                                              \
-        " ", UNIT_##type                                                                           \
-    }
-#define KEYED_ARGUMENT(name, type, least, most)                                                    \
-    {                                                                                              \
-        " " name "=", UNIT_##type                                                                  \
-    }
-
 /* "gauss 1.5", "polarity 1:50 2:-20", "of edges.nii" */
 void act_write_weight(struct buf *out, const struct kept *kept)
 {
     const struct weight_choice *choice = &kept->weight;
     const struct weight_row *row = &weight_table[choice->kind];
-    static const struct {
-        const char *before;
-        double unit;
-    } form[] = {WEIGHT_ARGUMENTS(PLAIN_ARGUMENT, KEYED_ARGUMENT)};
+    const struct parameter *p = weight_parameter + row->takes;
     if (choice->kind == WEIGHT_FILE) {
         buf_add_text(out, "of ");
         buf_add_safe_text(out, kept->weight_file);
         return;
     }
     buf_add_text(out, row->name);
-    if (choice->argument != row->usual)
-        buf_printf(out, "%s%g", form[row->takes].before, choice->argument / form[row->takes].unit);
+    if (choice->argument != row->usual) {
+        buf_printf(out, p->keyed ? " %s=" : " ", p->name);
+        buf_printf(out, "%g", choice->argument / (p->type == VALUE_DECIMAL ? 1000.0 : 1.0));
+    }
     for (unsigned label = 0; choice->kind == WEIGHT_POLARITY && label < 256; label++)
         if (kept->polarity[label])
             buf_printf(out, " %u:%d", numbering_of(kept, label), kept->polarity[label]);

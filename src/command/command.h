@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "base/buf.h"
+#include "base/choice.h"
 #include "base/scan.h"
 #include "base/err.h"
 #include "base/polyline.h"
@@ -58,6 +59,9 @@ const struct command *command_at(unsigned number);
 unsigned command_count(void);
 
 const struct command *command_find(const char *name);
+
+/* The arguments of weights, by enum weight_argument. */
+extern const struct parameter weight_parameter[];
 
 /* Try the names of all commands and their synonyms. */
 void command_try_names(struct near *near);
@@ -124,9 +128,8 @@ void command_help(struct buf *out, const struct command *command);
 const char *command_page(const char *name);
 
 /* Return the help of a command about a word, a choice or a key: the rest of the line of its detail
- * that begins "WORD: " or "WORD, ..: ". Length 0 if not found; it is not ended by NUL. */
-const char *command_note(const struct command *command, const char *word, size_t word_length,
-                         size_t *length);
+ * that begins "WORD: " or "WORD, ..: ". Length 0 if not found. */
+struct choice command_note(const struct command *command, const char *word, size_t length);
 
 /* Return the number of the parameter that a word fills, among those not given yet: a keyed one by
  * its name, and *word advances to its value; else the next positional one; -1 for none. */

@@ -131,22 +131,18 @@ static void add_usage(struct buf *out, const struct command *command)
     out->failed |= usage.failed;
 }
 
-const char *command_note(const struct command *command, const char *word, size_t word_length,
-                         size_t *length)
+struct choice command_note(const struct command *command, const char *word, size_t length)
 {
     for (const char *at = command->detail; at && *at; at += *at == '\n') {
         const size_t line = strcspn(at, "\n");
         const char *colon = memmem(at, line, ": ", 2);
-        const char *end = at + word_length;
-        const bool begins = colon && strncmp(at, word, word_length) == 0;
-        if (begins && (end == colon || (end < colon && *end == ','))) {
-            *length = (size_t)(at + line - (colon + 2));
-            return colon + 2;
-        }
+        const char *end = at + length;
+        const bool begins = colon && strncmp(at, word, length) == 0;
+        if (begins && (end == colon || (end < colon && *end == ',')))
+            return (struct choice){colon + 2, (size_t)(at + line - (colon + 2))};
         at += line;
     }
-    *length = 0;
-    return "";
+    return (struct choice){"", 0};
 }
 
 /* Add the usage, and the summary in the same line, or below if the usage is too long. */
@@ -267,20 +263,15 @@ struct offers {
     const struct interpreter *interp;
 };
 
-/* An explanation of a word, a part of another text; {0} for none. */
-struct note {
-    const char *text;
-    size_t length;
-};
-
-static struct note note_of(const char *text)
+/* An explanation of a word; {0} for none. */
+static struct choice note_of(const char *text)
 {
-    return (struct note){text, strlen(text)};
+    return (struct choice){text, strlen(text)};
 }
 
 /* Add one word, in quotes if requested; `open` leaves out the closing quote. */
 static void write_offer(struct buf *out, const char *word, size_t length, bool quoted, bool open,
-                        struct note note)
+                        struct choice note)
 {
     if (quoted)
         buf_add_char(out, '"');
@@ -293,7 +284,7 @@ static void write_offer(struct buf *out, const char *word, size_t length, bool q
         buf_add_char(out, '"');
     if (note.length > 0) {
         buf_add_char(out, '\t');
-        buf_add(out, note.text, note.length);
+        buf_add(out, note.word, note.length);
     }
     buf_add_char(out, '\n');
 }
@@ -304,24 +295,20 @@ static bool starts_so(const struct offers *o, const char *word, size_t length)
     return length > 0 && length >= typed && memcmp(word, o->typed, typed) == 0;
 }
 
-static void offer(const struct offers *o, const char *word, size_t length, struct note note)
+static void offer(const struct offers *o, const char *word, size_t length, struct choice note)
 {
     if (starts_so(o, word, length))
         write_offer(o->out, word, length, o->quoted, false, note);
 }
 
 /* Return the help of a choice: by its value, or with its key. */
-static struct note choice_note(const struct command *command, const struct parameter *p,
-                               const struct choice *choice)
+static struct choice choice_note(const struct command *command, const struct parameter *p,
+                                 const struct choice *choice)
 {
     OWNED(buf_release) struct buf keyed = {0};
-    struct note note = {0};
-    note.text = command_note(command, choice->word, choice->length, &note.length);
-    buf_printf(&keyed, "%s=", p->name);
-    buf_add(&keyed, choice->word, choice->length);
-    if (!note.length && p->keyed)
-        note.text = command_note(command, buf_text(&keyed), keyed.length, &note.length);
-    return note;
+    const struct choice note = command_note(command, choice->word, choice->length);
+    buf_printf(&keyed, "%s=%.*s", p->name, (int)choice->length, choice->word);
+    return note.length || !p->keyed ? note : command_note(command, buf_text(&keyed), keyed.length);
 }
 
 static void offer_commands(const struct offers *o)
@@ -441,7 +428,7 @@ static void offer_files(const struct offers *o)
         if (path.failed)
             break;
         write_offer(o->out, whole, path.length, quoted, whole[path.length - 1] == '/',
-                    (struct note){0});
+                    (struct choice){0});
     }
     o->out->failed |= path.failed;
 }
@@ -453,11 +440,12 @@ static void offer_goldens(const struct offers *o)
     OWNED(golden_files_close) struct golden_files files = {.folder = -1};
     OWNED(listing_release) struct listing listing = {0};
     if (o->interp->home.length &&
-        golden_files_open(&files, buf_text(&o->interp->home), NULL) == OK && files.folder >= 0)
+        golden_files_open(&files, buf_text(&o->interp->home), false, NULL) == OK &&
+        files.folder >= 0)
         listing_read(&listing, buf_text(&files.path), o->typed);
     for (size_t i = 0; i < listing.count; i++)
         if (file_is_named(listing.name[i], ending))
-            offer(o, listing.name[i], strlen(listing.name[i]) - strlen(ending), (struct note){0});
+            offer(o, listing.name[i], strlen(listing.name[i]) - strlen(ending), (struct choice){0});
 }
 
 /* ---- places in the history ---- */
@@ -468,7 +456,7 @@ static void offer_points(const struct offers *o)
     const size_t points = history->points;
     const bool any = o->typed[0] != '\0';
     for (size_t i = 0; i < history->branches; i++)
-        offer(o, history->branch[i].name, strlen(history->branch[i].name), (struct note){0});
+        offer(o, history->branch[i].name, strlen(history->branch[i].name), (struct choice){0});
     for (size_t i = any || points < POINTS_OFFERED ? 0 : points - POINTS_OFFERED; i < points; i++) {
         const struct point *point = &history->point[i];
         char number[24];
@@ -503,10 +491,9 @@ static void offer_keys(const struct offers *o, const struct partial *partial)
     const struct parameter *p = partial->command->parameter;
     for (int i = 0; p[i].type; i++) {
         OWNED(buf_release) struct buf key = {0}, form = {0};
-        struct note note = {0};
+        const struct choice note = command_note(partial->command, p[i].name, strlen(p[i].name));
         buf_printf(&key, "%s=", p[i].name);
         usage_form(&form, &p[i]);
-        note.text = command_note(partial->command, p[i].name, strlen(p[i].name), &note.length);
         if (p[i].keyed && (!partial->value[i].given || p[i].type == VALUE_LINE))
             offer(o, buf_text(&key), key.length, note.length ? note : note_of(buf_text(&form)));
     }

@@ -84,7 +84,7 @@ enum {
 
 /* ---- the folder ---- */
 
-static enum err open_files(struct golden_files *files, const char *journal, bool makes,
+enum err golden_files_open(struct golden_files *files, const char *journal, bool makes,
                            struct fault *fault)
 {
     *files = (struct golden_files){.folder = -1};
@@ -104,16 +104,6 @@ static enum err open_files(struct golden_files *files, const char *journal, bool
                          "nothing there was listed, written or removed; put a folder in its place",
                          path);
     return fault_errno(fault, makes ? "make the folder" : "read the folder", path);
-}
-
-enum err golden_files_open(struct golden_files *files, const char *journal, struct fault *fault)
-{
-    return open_files(files, journal, false, fault);
-}
-
-enum err golden_files_make(struct golden_files *files, const char *journal, struct fault *fault)
-{
-    return open_files(files, journal, true, fault);
 }
 
 void golden_files_close(struct golden_files *files)
@@ -375,7 +365,7 @@ void golden_files_clear(const char *journal, const char *bytes, size_t length, s
 {
     OWNED(golden_files_close) struct golden_files files = {.folder = -1};
     DIR *listing = NULL;
-    if (golden_files_open(&files, journal, NULL) == OK && files.folder >= 0 &&
+    if (golden_files_open(&files, journal, false, NULL) == OK && files.folder >= 0 &&
         golden_files_read(&files, bytes, length, NULL) == OK) {
         file_sweep(buf_text(&files.path));
         const int again = openat(files.folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -35,12 +35,10 @@ struct golden_files {
     struct record_chain last; /* chain of the last record */
 };
 
-/* Open the folder of the journal at that path. ERR_INPUT if its name is a link or no folder. Always
- * call golden_files_close. */
-enum err golden_files_open(struct golden_files *files, const char *journal, struct fault *fault);
-
-/* The same for a writer: create the folder if it does not exist. */
-enum err golden_files_make(struct golden_files *files, const char *journal, struct fault *fault);
+/* Open the folder of the journal at that path; a writer also `makes` it if it does not exist.
+ * ERR_INPUT if its name is a link or no folder. Always call golden_files_close. */
+enum err golden_files_open(struct golden_files *files, const char *journal, bool makes,
+                           struct fault *fault);
 
 /* Read the files named by the records of a journal, and the chains of the records. */
 enum err golden_files_read(struct golden_files *files, const char *bytes, size_t length,

@@ -122,6 +122,8 @@ enum { VOLUMES_MOST = 65535 };
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)
 #define KEYED_WEIGH(name, type, low, high) KEYED(name, VALUE_##type, .least = low, .most = high)
 
+const struct parameter weight_parameter[] = {WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH)};
+
 enum {
     R = COMMAND_RECORDED,
     S = COMMAND_NEEDS_SCENE,

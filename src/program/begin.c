@@ -150,7 +150,7 @@ static void find_linked(struct linked *linked, const char *journal)
 {
     OWNED(golden_files_close) struct golden_files files;
     OWNED(buf_release) struct buf bytes = {0}, path = {0};
-    if (golden_files_open(&files, journal, NULL) == OK && files.folder >= 0 &&
+    if (golden_files_open(&files, journal, false, NULL) == OK && files.folder >= 0 &&
         file_read(&bytes, journal, JOURNAL_BYTES_MAX, NULL) == OK &&
         golden_files_read(&files, buf_text(&bytes), bytes.length, NULL) == OK) {
         const char *name = buf_text(&files.named), *end = name + files.named.length;

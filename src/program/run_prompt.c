@@ -63,14 +63,13 @@ static void find_choices(struct buf *out, const struct command *command, const c
     const char *choices = p->type && !p->keyed && p->choices ? p->choices : "";
     struct choice choice;
     while (choice_next(&choice, &choices)) {
-        size_t length;
-        const char *note = command_note(command, choice.word, choice.length, &length);
+        const struct choice found = command_note(command, choice.word, choice.length);
+        const char *note = found.length ? found.word : command->summary;
         if (choice.length < strlen(piece) || choice.length < 4 ||
             strncasecmp(choice.word, piece, strlen(piece)) != 0 || *count == COMMANDS_FOUND_MOST)
             continue;
-        if (!length)
-            note = command->summary, length = strlen(note);
-        add_candidate(out, command->name, &choice, "", note, length);
+        add_candidate(out, command->name, &choice, "", note,
+                      found.length ? found.length : strlen(note));
         ++*count;
     }
 }
@@ -104,16 +103,16 @@ static void command_find_by_piece(struct buf *out, const char *piece, bool are_s
     for (unsigned rank = OF_NAME; rank < (are_some ? OF_KEY : RANKS); rank++)
         for (unsigned i = 0; i < command_count() && count < COMMANDS_FOUND_MOST; i++) {
             const struct command *command = command_at(i);
-            const char *key, *note = command->summary;
-            size_t length = strlen(note);
+            const char *key;
             if (rank == OF_CHOICE)
                 find_choices(out, command, piece, &count);
             else if (strncasecmp(command->name, piece, strlen(piece)) != 0 &&
                      rank_of(command, piece, &key) == rank) {
-                size_t of_key = 0;
-                const char *words = *key ? command_note(command, key, strlen(key), &of_key) : note;
-                add_candidate(out, command->name, NULL, key, of_key ? words : note,
-                              of_key ? of_key : length);
+                const struct choice note =
+                    *key ? command_note(command, key, strlen(key)) : (struct choice){0};
+                const char *words = note.length ? note.word : command->summary;
+                add_candidate(out, command->name, NULL, key, words,
+                              note.length ? note.length : strlen(words));
                 count++;
             }
         }

@@ -22,7 +22,7 @@
 static enum err open_files(struct golden_files *files, const char *journal, struct fault *fault)
 {
     OWNED(buf_release) struct buf bytes = {0};
-    enum err err = golden_files_open(files, journal, fault);
+    enum err err = golden_files_open(files, journal, false, fault);
     if (!err && files->folder >= 0)
         err = file_read(&bytes, journal, JOURNAL_BYTES_MAX, fault);
     if (!err && files->folder >= 0)

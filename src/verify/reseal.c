@@ -96,12 +96,12 @@ static enum err write_drafts(struct resealing *r, struct interpreter *interp,
                              const struct golden_finding *finding, struct fault *fault)
 {
     OWNED(golden_files_close) struct golden_files files;
-    enum err err = golden_files_open(&files, buf_text(&interp->home), fault);
+    enum err err = golden_files_open(&files, buf_text(&interp->home), false, fault);
     if (!err && files.folder < 0) {
         buf_clear(&r->folder);
         buf_add_text(&r->folder, buf_text(&files.path));
         golden_files_close(&files);
-        err = golden_files_make(&files, buf_text(&interp->home), fault);
+        err = golden_files_open(&files, buf_text(&interp->home), true, fault);
     }
     if (!err && !interp->session->is_private)
         err = picture_note(finding->actual, "iftty:journal", file_name(buf_text(&interp->home)),
@@ -380,7 +380,7 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
     r->interp->mode = MODE_LIVE; /* the replay is over: the user asked for the following writes */
     struct golden_files files = {.folder = -1};
     if (r->why && r->drafts.length)
-        err = golden_files_open(&files, path, fault);
+        err = golden_files_open(&files, path, false, fault);
     while (!err && r->why && next_draft(r, &at, &draft, &place)) {
         err = interpreter_will_write(r->interp, place, FILE_REPLACE, fault);
         if (!err)
