@@ -219,7 +219,7 @@ struct planting {
     bool is_shell;
     uint8_t inside;            /* label of the object in the middle of a shell, */
     struct label_set encloses; /* and of all objects that it encloses */
-    bool yields; /* it is a piece of a segmentation (session_plant_piece) with these runs: */
+    bool yields; /* it is a piece of a segmentation (session_yield) with these runs: */
     const struct marker_run *run;
     size_t runs;
     size_t planted, outside, beyond, others;

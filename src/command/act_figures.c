@@ -68,28 +68,12 @@ enum err act_write_counts(const struct act *act)
 
 /* ---- the answer ---- */
 
-static void write_forest(const struct act *act)
-{
-    const struct session *session = act->session;
-    struct buf *out = &act->reply->text;
-    buf_add_text(out, "weight ");
-    act_write_weight(out, &session->now.kept);
-    buf_add_char(out, '\n');
-    levels_write_scale(out, session->levels, "");
-    act_write_region(out, session);
-    act_write_finish(out, session);
-    buf_printf(out, "%zu border voxel%s; forest %016llx, labels %016llx\n",
-               border_count(&session->border), plural(border_count(&session->border)),
-               (unsigned long long)forest_digest(session->forest),
-               (unsigned long long)forest_label_digest(session->forest));
-}
-
 static enum err answer_stats(const struct act *act, const struct label_stats *stats,
                              const struct labels *labels)
 {
     const struct session *session = act->session;
     const char *file = act_text(act, "report");
-    struct buf *text = act_buf(act);
+    struct buf *text = act_buf(act), *out = &act->reply->text;
     struct counts counts;
     bool listed[256] = {false};
     uint32_t number[256];
@@ -128,12 +112,21 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
             continue;
         write_counts(act, &counts, label);
         if (label && stats[label].sums.voxels)
-            label_report_write_text(&act->reply->text, &report, label, 4);
+            label_report_write_text(out, &report, label, 4);
     }
     if (err)
         return err;
     act_write_no_seeds(act);
-    write_forest(act);
+    buf_add_text(out, "weight ");
+    act_write_weight(out, &session->now.kept);
+    buf_add_char(out, '\n');
+    levels_write_scale(out, session->levels, "");
+    act_write_region(out, session);
+    act_write_finish(out, session);
+    const size_t border = border_count(&session->border);
+    buf_printf(out, "%zu border voxel%s; forest %016llx, labels %016llx\n", border, plural(border),
+               (unsigned long long)forest_digest(session->forest),
+               (unsigned long long)forest_label_digest(session->forest));
     return OK;
 }
 

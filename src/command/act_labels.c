@@ -275,16 +275,6 @@ static bool keeps_rest(const struct act *act)
     return act_number(act, "rest") == REST_KEEP;
 }
 
-/* Copy the regions of a map before they become labels. */
-static uint16_t *copy_regions(const struct volume *map)
-{
-    const size_t voxels = voxels_in(map->size);
-    uint16_t *copy = mem_array(voxels, sizeof *copy);
-    if (copy)
-        memcpy(copy, map->intensity, voxels * sizeof *copy);
-    return copy;
-}
-
 /* Mark the regions that have become no label as kept. */
 static enum err mark_kept(struct volume *map, const uint16_t *region, struct fault *fault)
 {
@@ -459,8 +449,13 @@ static enum err read_original(struct volume *map, struct label_table *names, con
     if (!act_has(act, "regions") || keeps_rest(act))
         as[0] = 0; /* the background */
     choice.as = as;
-    if (keeps_rest(act) && !(region = copy_regions(map)))
-        return fault_memory(act->fault, "the regions that are kept");
+    if (keeps_rest(act)) { /* copy the regions before they become labels */
+        const size_t voxels = voxels_in(map->size);
+        region = mem_array(voxels, sizeof *region);
+        if (!region)
+            return fault_memory(act->fault, "the regions that are kept");
+        memcpy(region, map->intensity, voxels * sizeof *region);
+    }
     err = map_label(map, &choice, session->watch, act->fault);
     if (!err && region)
         err = mark_kept(map, region, act->fault);

@@ -448,40 +448,34 @@ static void warn_of_background(struct buf *out, uint64_t voxels, const char *whi
                    which, voxels == 1 ? "has" : "have");
 }
 
-/* Report names, with their colours, that a map of labels does not hold. */
-static void warn_of_names(const struct act *act, const char *path, const bool has[256])
-{
-    const struct kept *kept = &act->session->now.kept;
-    unsigned names = 0;
-    for (unsigned l = 1; l < 256; l++)
-        names += *kept->label_name[l] && has[l];
-    if (names && !volume_holds_names(path))
-        buf_printf(&act->reply->text,
-                   "%u name%s and colours not written: %s holds none; `save names FILE` writes "
-                   "them, and .seg.nrrd, .nii.gz and .mgz hold them\n",
-                   names, plural(names), volume_ending(path));
-}
-
 /* Warn about contents that may be unexpected. */
 static void warn_of_contents(const struct act *act, const char *path,
                              const struct coverage *coverage, bool finished)
 {
     const struct session *session = act->session;
+    const struct kept *kept = &session->now.kept;
     const int64_t what = act_number(act, "MAP");
-    warn_of_background(&act->reply->text, coverage->unreached, "that no seed reaches");
-    warn_of_background(&act->reply->text, coverage->outside, "outside the region of interest");
+    struct buf *out = &act->reply->text;
+    unsigned names = 0;
+    warn_of_background(out, coverage->unreached, "that no seed reaches");
+    warn_of_background(out, coverage->outside, "outside the region of interest");
     if (what == MAP_LABELS && coverage->kept)
-        buf_printf(&act->reply->text, "%llu voxel%s of other regions %s as in %s\n",
+        buf_printf(out, "%llu voxel%s of other regions %s as in %s\n",
                    (unsigned long long)coverage->kept, plural(coverage->kept),
-                   coverage->kept == 1 ? "is" : "are", session->now.kept.mask_file);
-    if (what == MAP_LABELS)
-        warn_of_names(act, path, coverage->has);
+                   coverage->kept == 1 ? "is" : "are", kept->mask_file);
+    for (unsigned l = 1; l < 256 && what == MAP_LABELS; l++)
+        names += *kept->label_name[l] && coverage->has[l];
+    if (names && !volume_holds_names(path))
+        buf_printf(out,
+                   "%u name%s and colours not written: %s holds none; `save names FILE` writes "
+                   "them, and .seg.nrrd, .nii.gz and .mgz hold them\n",
+                   names, plural(names), volume_ending(path));
     if (volume_ending(path) && !geometry_has_place(&session->geometry))
-        buf_add_text(&act->reply->text, "its position is as unknown as that of the scene's file\n");
+        buf_add_text(out, "its position is as unknown as that of the scene's file\n");
     if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act_has(act, "finished") && !finished &&
         session_shows_finished(session))
-        buf_add_text(&act->reply->text, "it has the labels of the forest; `finished=yes` writes "
-                                        "the labels shown in pictures\n");
+        buf_add_text(out, "it has the labels of the forest; `finished=yes` writes the labels shown "
+                          "in pictures\n");
 }
 
 enum err act_save(const struct act *act)

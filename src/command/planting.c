@@ -86,10 +86,9 @@ static enum err plant_cells(const struct act *act, struct planting *planting, co
     if (!count)
         return OK;
     planting->planted += count;
-    enum err err = planting->yields
-                       ? session_plant_piece(session, cell, count, label, planting->reach,
-                                             planting->run, planting->runs, act->fault)
-                       : session_plant(session, cell, count, label, planting->reach, act->fault);
+    enum err err = session_plant(session, cell, count, label, planting->reach, act->fault);
+    if (!err && planting->yields)
+        err = session_yield(session, planting->run, planting->runs, act->fault);
     return err || !is_exact(act, planting) ? err
                                            : session_free_voxels(session, cell, count, act->fault);
 }
@@ -455,18 +454,6 @@ static bool can_join(const struct act *act)
 
 /* ---- shells ---- */
 
-/* Find the present label in the middle of a shell, and if a seed reaches it. */
-static enum err look_inside(const struct act *act, const uint32_t middle[3], uint8_t *inside,
-                            bool *is_reached)
-{
-    const enum err err = session_catch_up(act->session, act->fault);
-    const struct scene *scene = act->session->scene;
-    const struct cell *at = &scene->cell[grid_cell(&scene->grid, middle[0], middle[1], middle[2])];
-    *inside = at->label;
-    *is_reached = cell_is_reached(at);
-    return err;
-}
-
 /* A ball, or a box between two corners. */
 struct body {
     struct reach ball;                 /* its centre is the middle of the box too */
@@ -524,14 +511,18 @@ static bool find_enclosed(struct planting *planting, const struct act *act, cons
 static enum err plant_shell(const struct act *act, struct voxels *voxels, const struct body *body)
 {
     const int16_t label = (int16_t)act_number(act, "LABEL");
+    const struct scene *scene = act->session->scene;
+    const uint32_t *p = body->ball.centre;
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
-    bool is_reached = false;
-    enum err err = look_inside(act, body->ball.centre, &planting.inside, &is_reached);
+    enum err err = session_catch_up(act->session, act->fault);
+    const struct cell *middle = &scene->cell[grid_cell(&scene->grid, p[0], p[1], p[2])];
+    const uint8_t inside = middle->label;
+    const bool is_reached = cell_is_reached(middle);
     const bool encloses = find_enclosed(&planting, act, body, voxels, label);
     if (!err)
         err = act_begin_exact(&planting, act, voxels, NULL, 0);
     planting.is_shell = true;
-    planting.inside = (uint8_t)act_number_or(act, "around", planting.inside);
+    planting.inside = (uint8_t)act_number_or(act, "around", inside);
     label_set_add(&planting.encloses, planting.inside);
     if (!err && !voxels->count)
         err = fault_set(act->fault, ERR_INPUT,
@@ -836,15 +827,6 @@ enum err act_outline(const struct act *act)
 
 /* ---- `between` ---- */
 
-/* Find the plane whose slices are counted along an axis. */
-static enum slice_plane plane_of(const struct scene *scene, int axis)
-{
-    enum slice_plane plane = SLICE_AXIAL;
-    while (slice_axis(scene, plane) != axis)
-        plane++;
-    return plane;
-}
-
 static enum err refuse_between(const struct act *act, const char *why, const char *other)
 {
     struct buf *name = act_buf(act);
@@ -953,7 +935,9 @@ enum err act_between(const struct act *act)
         err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
     if (err)
         return err;
-    const enum slice_plane plane = plane_of(scene, axis);
+    enum slice_plane plane = SLICE_AXIAL;
+    while (slice_axis(scene, plane) != axis)
+        plane++;
     from[axis] = tally.first;
     to[axis] = tally.last;
     buf_printf(&act->reply->text,

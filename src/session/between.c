@@ -10,14 +10,6 @@
 
 /* ---- outlines ---- */
 
-static bool has_adjacent(const bool *has, uint32_t slices)
-{
-    bool found = false;
-    for (uint32_t k = 1; k < slices; k++)
-        found |= has[k - 1] && has[k];
-    return found;
-}
-
 /* Find the axes along which no voxels of a marker are in adjacent slices, if it is exact and of the
  * label. `has` has room for the longest side. */
 static unsigned axes_of(const struct markers *markers, const struct marker *marker,
@@ -34,7 +26,10 @@ static unsigned axes_of(const struct markers *markers, const struct marker *mark
             grid_find(grid, cover[i].cell, at);
             has[at[a]] = true;
         }
-        axes |= has_adjacent(has, grid->size[a]) ? 0 : 1u << a;
+        bool has_adjacent = false;
+        for (uint32_t k = 1; k < grid->size[a]; k++)
+            has_adjacent |= has[k - 1] && has[k];
+        axes |= has_adjacent ? 0 : 1u << a;
     }
     return axes;
 }

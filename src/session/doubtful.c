@@ -137,15 +137,6 @@ static bool trace_border(struct polyline *line, const struct area *area, uint32_
     return fits;
 }
 
-static void thin_out(struct polyline *line)
-{
-    while (line->count > CONTOUR_CORNERS_MOST) {
-        for (size_t i = 0; 2 * i < line->count; i++)
-            memmove(line->corner[i], line->corner[2 * i], sizeof line->corner[0]);
-        line->count = (line->count + 1) / 2;
-    }
-}
-
 /* Mark the piece with the voxel `from` MEANT and find its first place; false if it is in none.
  * */
 static bool find_piece(struct area *area, int64_t from, uint32_t *first)
@@ -171,7 +162,9 @@ static enum err trace(struct polyline *contour, struct area *area, int64_t from,
     polyline_simplify(contour);
     if (contour->count > 1) /* the last corner repeats the first */
         contour->count--;
-    thin_out(contour);
+    for (; contour->count > CONTOUR_CORNERS_MOST; contour->count = (contour->count + 1) / 2)
+        for (size_t i = 0; 2 * i < contour->count; i++)
+            memmove(contour->corner[i], contour->corner[2 * i], sizeof contour->corner[0]);
     return OK;
 }
 
@@ -276,19 +269,6 @@ static void leave_out(struct doubt *doubt, unsigned axis, int64_t from, int64_t 
         doubt->slice[axis][at] = 0;
 }
 
-static void leave_out_outlined(struct doubt *doubt, const struct session *session, unsigned label)
-{
-    const struct markers *markers = &session->markers;
-    for (uint32_t n = 1, at; n <= markers->count; n++) {
-        const struct marker *marker = &markers->marker[n - 1];
-        unsigned axis;
-        if (marker->is_valid && marker->label > 0 &&
-            (marker->label == (int)label || label == FINISH_ALL_LABELS) &&
-            contour_is_area(&axis, &at, &session->scene->grid, markers, n))
-            leave_out(doubt, axis, (int64_t)at - 1, (int64_t)at + 1);
-    }
-}
-
 /* Copy the sums, so that slices can be excluded. */
 static enum err copy_doubt(struct doubt *copy, const struct doubt *doubt, struct fault *fault)
 {
@@ -312,9 +292,17 @@ enum err doubtful_find(struct doubtful_slice slice[DOUBTFUL_MOST], size_t *count
     err = err ? err : copy_doubt(&left, &session->inside->doubting.doubt, fault);
     if (err)
         return err;
-    leave_out_outlined(&left, session, label);
-    for (unsigned axis; *count < DOUBTFUL_MOST; (*count)++) {
-        uint32_t at;
+    const struct markers *markers = &session->markers;
+    unsigned axis;
+    uint32_t at;
+    for (uint32_t n = 1; n <= markers->count; n++) {
+        const struct marker *marker = &markers->marker[n - 1];
+        if (marker->is_valid && marker->label > 0 &&
+            (marker->label == (int)label || label == FINISH_ALL_LABELS) &&
+            contour_is_area(&axis, &at, &session->scene->grid, markers, n))
+            leave_out(&left, axis, (int64_t)at - 1, (int64_t)at + 1);
+    }
+    for (; *count < DOUBTFUL_MOST; (*count)++) {
         if (!doubt_worst(&left, &axis, &at))
             break;
         slice[*count] = (struct doubtful_slice){axis, at, left.slice[axis][at]};

@@ -369,29 +369,24 @@ static enum err choose_voxels(struct volume_reader *reader, const struct map_pla
     return err ? err : volume_choose(reader, &choice, fault);
 }
 
-/* Reject a map that has neither the size of the scene nor that of its file. */
-static enum err refuse_size(const struct map_place *place, const uint32_t is[3],
-                            struct fault *fault)
+static enum err check_grid(const struct map_place *place, const struct volume_header *header,
+                           struct fault *fault)
 {
-    const uint32_t *size = place->grid->size, *whole = place->part->whole;
+    const uint32_t *is = header->size, *size = place->grid->size;
+    const uint32_t *whole = place->part ? place->part->whole : NULL;
+    const bool names_file =
+        place->resample != REGRID_RESAMPLE && whole && whole[0] && !same_size(is, size);
+    struct fault *own = names_file ? NULL : fault;
+    const enum err err = place->is_copy ? map_check_size(is, place->grid, own)
+                                        : regrid_check(is, &header->geometry, size, place->geometry,
+                                                       place->resample, own);
+    if (!err || !names_file)
+        return err;
     return fault_set(fault, ERR_INPUT,
                      "the map has %ux%ux%u voxels, the scene %ux%ux%u, and its file %ux%ux%u; a "
                      "map must be on the grid of the scene or of its file; otherwise use "
                      "resample=yes; nothing has changed",
                      is[0], is[1], is[2], size[0], size[1], size[2], whole[0], whole[1], whole[2]);
-}
-
-static enum err check_grid(const struct map_place *place, const struct volume_header *header,
-                           struct fault *fault)
-{
-    const uint32_t *size = header->size;
-    const bool names_file = place->resample != REGRID_RESAMPLE && place->part &&
-                            place->part->whole[0] && !same_size(size, place->grid->size);
-    struct fault *own = names_file ? NULL : fault;
-    const enum err err = place->is_copy ? map_check_size(size, place->grid, own)
-                                        : regrid_check(size, &header->geometry, place->grid->size,
-                                                       place->geometry, place->resample, own);
-    return err && names_file ? refuse_size(place, size, fault) : err;
 }
 
 static enum err prefix_file(const char *path, enum err err, struct fault *fault)

@@ -112,13 +112,6 @@ static void stamp(struct sheet *sheet, const struct brush *brush, const int64_t 
     }
 }
 
-static void clear_bit(struct sheet *sheet, struct place p)
-{
-    const size_t x = p.x - sheet->first[0], y = p.y - sheet->first[1], z = p.z - sheet->first[2];
-    const size_t at = (z * sheet->size[1] + y) * sheet->size[0] + x;
-    sheet->bit[at >> 6] &= ~(UINT64_C(1) << (at & 63));
-}
-
 /* Collect the cells whose bits are set. */
 static bool collect_cells(struct voxels *out, const struct sheet *sheet, const struct grid *grid)
 {
@@ -366,8 +359,12 @@ enum err paint_ring(struct voxels *out, const struct grid *grid, const struct vo
         const struct place p = grid_place(grid, inside->cell[i]);
         stamp(&sheet, &brush, (int64_t[]){p.x, p.y, p.z});
     }
-    for (size_t i = 0; fits && i < inside->count; i++)
-        clear_bit(&sheet, grid_place(grid, inside->cell[i]));
+    for (size_t i = 0; fits && i < inside->count; i++) {
+        const struct place p = grid_place(grid, inside->cell[i]);
+        const size_t x = p.x - sheet.first[0], y = p.y - sheet.first[1], z = p.z - sheet.first[2];
+        const size_t at = (z * sheet.size[1] + y) * sheet.size[0] + x;
+        sheet.bit[at >> 6] &= ~(UINT64_C(1) << (at & 63));
+    }
     err = outcome(out, fits && (watch_fault(watch, NULL) || collect_cells(out, &sheet, grid)),
                   watch, fault);
     free(sheet.bit);

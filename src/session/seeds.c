@@ -58,12 +58,10 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
     return err ? err : watch_fault(session->watch, fault);
 }
 
-enum err session_plant_piece(struct session *session, const uint32_t *cell, size_t count,
-                             int16_t label, uint16_t reach, const struct marker_run *run,
-                             size_t runs, struct fault *fault)
+enum err session_yield(struct session *session, const struct marker_run *run, size_t runs,
+                       struct fault *fault)
 {
-    const enum err err = session_plant(session, cell, count, label, reach, fault);
-    return err ? err : markers_yield(&session->markers, run, runs, fault);
+    return markers_yield(&session->markers, run, runs, fault);
 }
 
 enum err session_free_voxels(struct session *session, const uint32_t *cell, size_t count,

@@ -188,21 +188,6 @@ static void hinting_release(struct hinting *hinting)
     *hinting = (struct hinting){0};
 }
 
-/* Release hints of another forest. */
-static void update_hints(struct session *session)
-{
-    struct hinting *h = &session->inside->hinting;
-    const struct kept *kept = &session->now.kept;
-    uint64_t of = hash_mix_at(forest_digest(session->forest), forest_label_digest(session->forest));
-    of = hash_mix_at(hash_mix_at(of, session->weight_digest), kept->adjacency);
-    for (unsigned l = 0; l < 256; l++)
-        of = hash_mix_at(of, kept->origin_mm3[l]);
-    if (h->cells == session->scene->grid.cells && h->of == of)
-        return;
-    hinting_release(h);
-    *h = (struct hinting){.cells = session->scene->grid.cells, .of = of};
-}
-
 static enum err make_hints(struct session *session, bool with_heat, struct fault *fault)
 {
     struct hinting *h = &session->inside->hinting;
@@ -224,7 +209,16 @@ enum err session_find_hints(struct session *session, const struct hint_list **hi
                             const uint8_t **heat, struct fault *fault)
 {
     struct hinting *h = &session->inside->hinting;
-    update_hints(session);
+    const struct kept *kept = &session->now.kept;
+    const size_t cells = session->scene->grid.cells;
+    uint64_t of = hash_mix_at(forest_digest(session->forest), forest_label_digest(session->forest));
+    of = hash_mix_at(hash_mix_at(of, session->weight_digest), kept->adjacency);
+    for (unsigned l = 0; l < 256; l++)
+        of = hash_mix_at(of, kept->origin_mm3[l]);
+    if (h->cells != cells || h->of != of) { /* hints of another forest */
+        hinting_release(h);
+        *h = (struct hinting){.cells = cells, .of = of};
+    }
     const bool is_made = h->has_hints && (!heat || h->heat);
     const enum err err = is_made ? OK : make_hints(session, heat != NULL, fault);
     *hints = &h->hints;

@@ -268,11 +268,10 @@ enum err session_add_reach(struct session *session, const struct reach *reach, u
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        uint16_t reach, struct fault *fault);
 
-/* Add a yielding marker (session/markers.h) for a piece of a segmentation. The runs are the voxels
- * of the piece; there are no runs if all of these are planted. */
-enum err session_plant_piece(struct session *session, const uint32_t *cell, size_t count,
-                             int16_t label, uint16_t reach, const struct marker_run *run,
-                             size_t runs, struct fault *fault);
+/* Make the last marker yield (session/markers.h): it is a piece of a segmentation. The runs are the
+ * voxels of the piece; there are no runs if all of these are planted. */
+enum err session_yield(struct session *session, const struct marker_run *run, size_t runs,
+                       struct fault *fault);
 
 /* Grow a tree from the seeds into voxels of `within` that have a label of the set `takes`, and no
  * others. `grown` gets the seeds that have such labels, and the voxels whose label changes. The
