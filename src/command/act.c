@@ -16,32 +16,12 @@
 
 /* ---- by hand ---- */
 
-/* Make the label of the command, or give it another number. */
-static enum err number_label(const struct act *act, int *label)
-{
-    struct kept *kept = &act->next->kept;
-    const struct markers *markers = &act->session->markers;
-    const uint32_t number = act_place(act, "LABEL")[0];
-    const struct value *other = act_value(act, "number");
-    if (other->given && *label == 0)
-        return fault_set(act->fault, ERR_USAGE, "number: label 0 is 0 in every file");
-    if (*label == NUMBER_UNKNOWN)
-        *label = numbering_add(kept, number, markers);
-    if (*label == NUMBER_UNKNOWN)
-        return fault_set(act->fault, ERR_LIMIT,
-                         "LABEL: 255 labels exist, and no more fit into a session; give one of "
-                         "them this number by `label LABEL NAME number=%u`; nothing has changed",
-                         number);
-    if (other->given && !numbering_change(kept, *label, (uint32_t)other->number, markers))
-        return fault_set(act->fault, ERR_USAGE,
-                         "number: there is a label %lld already; nothing has changed",
-                         (long long)other->number);
-    return OK;
-}
-
 enum err act_label(const struct act *act)
 {
     struct kept *kept = &act->next->kept;
+    const struct markers *markers = &act->session->markers;
+    const struct value *other_number = act_value(act, "number");
+    const uint32_t number = act_place(act, "LABEL")[0];
     int label = (int)act_number(act, "LABEL");
     const char *name = act_text(act, "NAME");
     if (!label_name_fits(name))
@@ -53,9 +33,20 @@ enum err act_label(const struct act *act)
         if (other != label && strcmp(kept->label_name[other], name) == 0)
             return fault_set(act->fault, ERR_USAGE, "label %u is already called %s",
                              numbering_of(kept, (unsigned)other), name);
-    const enum err err = number_label(act, &label);
-    if (err)
-        return err;
+    if (other_number->given && label == 0)
+        return fault_set(act->fault, ERR_USAGE, "number: label 0 is 0 in every file");
+    if (label == NUMBER_UNKNOWN)
+        label = numbering_add(kept, number, markers);
+    if (label == NUMBER_UNKNOWN)
+        return fault_set(act->fault, ERR_LIMIT,
+                         "LABEL: 255 labels exist, and no more fit into a session; give one of "
+                         "them this number by `label LABEL NAME number=%u`; nothing has changed",
+                         number);
+    if (other_number->given &&
+        !numbering_change(kept, label, (uint32_t)other_number->number, markers))
+        return fault_set(act->fault, ERR_USAGE,
+                         "number: there is a label %lld already; nothing has changed",
+                         (long long)other_number->number);
     memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
     memcpy(kept->label_name[label], name, strlen(name));
     for (int k = 0; act_has(act, "COLOUR") && k < 3; k++)

@@ -437,11 +437,6 @@ enum err act_why(const struct act *act)
 
 enum { LISTED = 10 }; /* default of COUNT */
 
-static struct place place_of(const struct act *act, uint32_t cell)
-{
-    return grid_place(&act->session->scene->grid, cell);
-}
-
 /* Find the hints of the current forest. A skimming session computes it first, which only happens
  * for a journal edited by hand. */
 static enum err find_hints(const struct act *act, const struct hint_list **hints)
@@ -459,7 +454,7 @@ static enum err write_hint(const struct act *act, const struct hint *hint, size_
 {
     const struct session *session = act->session;
     const unsigned cost = key_cost(session->scene->cell[hint->cell].key);
-    const struct place p = place_of(act, hint->cell);
+    const struct place p = grid_place(&session->scene->grid, hint->cell);
     struct buf *out = &act->reply->text;
     OWNED(way_release) struct way way = {0};
     const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
@@ -475,7 +470,7 @@ static enum err write_hint(const struct act *act, const struct hint *hint, size_
     label_report_write_name(out, session, hint->other);
     buf_printf(out, " at %u, an edge of %u between them", cost + hint->margin, hint->edge);
     if (!err && way.edge != CELL_NONE) {
-        const struct place edge = place_of(act, way.edge);
+        const struct place edge = grid_place(&session->scene->grid, way.edge);
         buf_printf(out, "; strongest edge into %u,%u,%u", edge.x, edge.y, edge.z);
     }
     buf_add_char(out, '\n');
@@ -492,7 +487,7 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
     const unsigned cost = key_cost(session->scene->cell[hint->cell].key);
     OWNED(way_release) struct way way = {0};
     const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
-    const struct place p = place_of(act, hint->cell);
+    const struct place p = grid_place(&session->scene->grid, hint->cell);
     json_object(json, NULL);
     json_count(json, "number", number);
     json_format(json, "place", "%u,%u,%u", p.x, p.y, p.z);
@@ -507,7 +502,7 @@ static enum err add_hint(struct json *json, const struct act *act, const struct 
     json_fixed(json, "certainty", hint->certainty, 0);
     json_count(json, "doubt", hint->doubt);
     if (!err && way.edge != CELL_NONE) {
-        const struct place edge = place_of(act, way.edge);
+        const struct place edge = grid_place(&session->scene->grid, way.edge);
         json_format(json, "strongest_edge", "%u,%u,%u", edge.x, edge.y, edge.z);
     }
     json_end(json);

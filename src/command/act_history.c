@@ -68,7 +68,8 @@ static enum err go_by(const struct act *act, bool back)
     }
     if (undone > LISTED)
         buf_printf(&act->reply->text, "and %zu before these\n", undone - LISTED);
-    return go_to_point(act, to, history->on, history_is_at_tip(history));
+    const bool is_at_tip = history->branch[history->on].point == history->present;
+    return go_to_point(act, to, history->on, is_at_tip);
 }
 
 enum err act_undo(const struct act *act)

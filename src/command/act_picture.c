@@ -251,24 +251,6 @@ static enum err read_axes(struct spin *spin)
     return OK;
 }
 
-static enum err prepare_spin(struct spin *spin)
-{
-    struct fault *fault = spin->act->fault;
-    if (!read_pattern(&spin->pattern, act_text(spin->act, "FILE")))
-        return fault_set(fault, ERR_USAGE,
-                         "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
-                         "name that ends in .gif or .tif; not %s",
-                         act_text(spin->act, "FILE"));
-    const enum err err = read_axes(spin);
-    spin->takes_rows = session_decorates_rows(spin->act->session);
-    spin->is_streamed = spin->takes_rows && !is_helped(spin);
-    spin->total = spin->count * spin->axes;
-    if (!err && spin->total > IMAGE_FRAMES_MOST)
-        return fault_set(fault, ERR_USAGE, "%u turns of %u pictures: at most %d pictures in all",
-                         spin->axes, spin->count, IMAGE_FRAMES_MOST);
-    return err;
-}
-
 enum err act_spin(const struct act *act)
 {
     struct buf *out = &act->reply->text;
@@ -279,9 +261,21 @@ enum err act_spin(const struct act *act)
                         .name = act_buf(act),
                         .path = act_buf(act),
                         .first = act_buf(act)};
-    enum err err = prepare_spin(&spin);
+    if (!read_pattern(&spin.pattern, act_text(act, "FILE")))
+        return fault_set(act->fault, ERR_USAGE,
+                         "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
+                         "name that ends in .gif or .tif; not %s",
+                         act_text(act, "FILE"));
+    enum err err = read_axes(&spin);
     if (err)
         return err;
+    spin.takes_rows = session_decorates_rows(act->session);
+    spin.is_streamed = spin.takes_rows && !is_helped(&spin);
+    spin.total = spin.count * spin.axes;
+    if (spin.total > IMAGE_FRAMES_MOST)
+        return fault_set(act->fault, ERR_USAGE,
+                         "%u turns of %u pictures: at most %d pictures in all", spin.axes,
+                         spin.count, IMAGE_FRAMES_MOST);
     if (act->interp->mode == MODE_SKIM)
         return session_run(act->session, act->fault);
     err = draw_turns(&spin);

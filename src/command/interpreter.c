@@ -357,18 +357,6 @@ static const char *place_of(const struct buf *placed, const char *name, const ch
     return NULL;
 }
 
-/* "out/lab.nii.gz", then "out/lab-2.nii.gz". */
-static void write_place(struct buf *path, const char *folder, const char *name, unsigned number)
-{
-    const size_t stem = 1 + strcspn(name + 1, ".");
-    buf_clear(path);
-    buf_printf(path, "%s/", folder);
-    buf_add(path, name, stem);
-    if (number > 1)
-        buf_printf(path, "-%u", number);
-    buf_add_text(path, name + stem);
-}
-
 /* Use the last part of the name only, so that the file is in the folder whatever a journal says.
  * Different names get different paths, and a name always the same one. */
 static enum err place_below(struct interpreter *interp, const char *name, struct buf *path,
@@ -382,10 +370,15 @@ static enum err place_below(struct interpreter *interp, const char *name, struct
         buf_add_text(path, before);
         return path->failed ? fault_memory(fault, "a path") : OK;
     }
-    unsigned number = 1;
-    do
-        write_place(path, interp->out_folder, last, number++);
-    while (!path->failed && place_of(placed, NULL, buf_text(path)));
+    const int stem = 1 + (int)strcspn(last + 1, ".");
+    unsigned number = 0;
+    do { /* "out/lab.nii.gz", then "out/lab-2.nii.gz" */
+        buf_clear(path);
+        buf_printf(path, "%s/%.*s", interp->out_folder, stem, last);
+        if (++number > 1)
+            buf_printf(path, "-%u", number);
+        buf_add_text(path, last + stem);
+    } while (!path->failed && place_of(placed, NULL, buf_text(path)));
     if (path->failed || !buf_reserve(placed, strlen(name) + path->length + 2)) {
         placed->failed = false; /* its content is still valid */
         return fault_memory(fault, "a path");

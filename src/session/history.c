@@ -334,11 +334,6 @@ static enum err edits_of_way(struct edit **out, size_t *count, const struct hist
     return goes_on ? OK : watch_fault(watch, fault);
 }
 
-bool history_is_at_tip(const struct history *history)
-{
-    return history->branch[history->on].point == history->present;
-}
-
 enum err history_go(struct history *history, struct session *session, uint32_t to, uint32_t branch,
                     bool moves_tip, struct fault *fault)
 {

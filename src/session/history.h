@@ -109,9 +109,6 @@ enum err history_find(const struct history *history, const char *name, uint32_t 
  * a scene. */
 const struct kept_settings *history_settings_after(const struct history *history, size_t record);
 
-/* True if the present point is the tip of its branch. */
-bool history_is_at_tip(const struct history *history);
-
 /* Make the session as it was at `point`, which becomes the tip of the branch if `moves_tip` is
  * set: undo does so. On error, session_rollback restores the former state. The history itself moves
  * in history_settle. */

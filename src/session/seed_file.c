@@ -522,24 +522,18 @@ enum {
 
 /* ---- labels ---- */
 
-/* Find a label that the map does not have; 256 if it has all. */
-static unsigned find_spare(const uint16_t *region, size_t voxels, struct watch *watch)
-{
-    bool is_there[256] = {false};
-    unsigned spare = 0;
-    struct task task = task_begin(watch, "labels of the map", voxels);
-    for (size_t i = 0; i < voxels && task_advance(&task, 1); i++)
-        if (region[i] != REGION_NONE)
-            is_there[region[i]] = true;
-    while (spare < 256 && is_there[spare])
-        spare++;
-    return spare;
-}
-
 static enum err take_labels(struct work *w, const uint16_t *region, struct fault *fault)
 {
     const struct grid *grid = w->grid;
-    w->spare = w->choice->rest == REGION_NONE ? find_spare(region, grid->voxels, w->watch) : 256;
+    const bool needs_spare = w->choice->rest == REGION_NONE;
+    bool is_there[256] = {false};
+    struct task task = task_begin(w->watch, "labels of the map", grid->voxels);
+    for (size_t i = 0; needs_spare && i < grid->voxels && task_advance(&task, 1); i++)
+        if (region[i] != REGION_NONE)
+            is_there[region[i]] = true;
+    w->spare = needs_spare ? 0 : 256; /* a label that the map does not have; 256 if it has all */
+    while (w->spare < 256 && is_there[w->spare])
+        w->spare++;
     memset(w->label, 0, grid->cells);
     struct grid_walk rows =
         grid_walk(grid, w->watch, "labels of the map", grid_slab(grid, 0, 1), 0);
