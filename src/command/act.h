@@ -103,10 +103,10 @@ enum err act_check_report(const struct act *act);
  * the answer. */
 enum err act_write_report(const struct act *act, const struct buf *text);
 
-/* Return the labels that a command saves or counts, after applying the pending edits. With
- * `finished=yes` these are the finished labels, and their digest is added to the words of the
- * record. At a prompt, without `finished=`, the labels are those of the pictures, and the record
- * contains the choice. The labels of a skimming session are undefined. */
+/* Return the labels that a command saves or counts; its pending edits were applied before
+ * (COMMAND_ANSWERS). With `finished=yes` these are the finished labels, and their digest is added to
+ * the words of the record. At a prompt, without `finished=`, the labels are those of the pictures,
+ * and the record contains the choice. The labels of a skimming session are undefined. */
 enum err act_take_labels(const struct act *act, struct labels *labels);
 
 /* Add a line for each label that the finish deletes, halves or breaks (show/label_loss.h).
@@ -189,7 +189,7 @@ struct drawn_file {
 enum err act_draw_file(const struct act *act, const struct drawn_file *file,
                        const struct labels *labels, uint64_t *digest);
 
-/* Apply the pending edits and make the rendition of *labels, finished if requested. */
+/* Make the rendition of *labels, finished if requested. */
 enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels);
 
 /* Add the digest of the rendition to the words of the record. */

@@ -202,9 +202,7 @@ static enum err draw_turns(struct spin *spin)
     const struct view before = session->now.outlook.view;
     struct view from = before;
     const bool rendered = session_rendered(session) == RENDERED_FOREST;
-    enum err err = session_run(session, fault);
-    if (!err)
-        err = act_take_shown(spin->act, &spin->labels);
+    enum err err = act_take_shown(spin->act, &spin->labels);
     if (!err && act_is_yes(spin->act, "fit"))
         err = fit_turns(spin, &from);
     if (!err)
@@ -277,7 +275,7 @@ enum err act_spin(const struct act *act)
                          "%u turns of %u pictures: at most %d pictures in all", spin.axes,
                          spin.count, IMAGE_FRAMES_MOST);
     if (act->interp->mode == MODE_SKIM)
-        return session_run(act->session, act->fault);
+        return OK;
     err = draw_turns(&spin);
     image_movie_abandon(&spin.movie);
     if (err)
@@ -402,9 +400,7 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
 
 enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels)
 {
-    enum err err = session_run(act->session, act->fault);
-    if (!err)
-        err = act_take_shown(act, labels);
+    enum err err = act_take_shown(act, labels);
     if (!err)
         err = session_draw_labels(act->session, labels, mode, act->fault);
     return err ? err : session_decorate(act->session, labels, act->fault);
@@ -416,9 +412,7 @@ static enum err render_large(const struct act *act, const char *name, enum rende
     struct labels labels;
     struct buf *path = act_buf(act);
     uint64_t digest = 0;
-    enum err err = session_run(act->session, act->fault);
-    if (!err)
-        err = act_take_shown(act, &labels);
+    enum err err = act_take_shown(act, &labels);
     if (!err)
         err = interpreter_output_path(act->interp, name, path, act->fault);
     const char *to = buf_text(path);

@@ -131,13 +131,13 @@ static enum err write_golden(struct interpreter *interp, const char *name, const
 
 /* ---- the command ---- */
 
-/* Make the picture, after applying pending edits, and its digest. */
+/* Make the picture and its digest. */
 static enum err take_golden(const struct act *act, struct picture *picture)
 {
     struct labels labels;
     const int64_t of = act_number(act, "of"); /* 0: the rendition */
     if (act->interp->mode == MODE_SKIM)
-        return of ? OK : session_run(act->session, act->fault);
+        return OK;
     enum err err =
         of ? act_take_shown(act, &labels) : act_render_labels(act, RENDER_AS_KEPT, &labels);
     if (err)
@@ -487,8 +487,6 @@ enum err act_save(const struct act *act)
     struct buf *to = act_buf(act);
     struct labels labels = {0};
     enum err err = check_parameters(act);
-    if (!err)
-        err = session_run(act->session, act->fault);
     if (!err && has_labels)
         err = act_take_labels(act, &labels);
     if (!err)

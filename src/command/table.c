@@ -64,22 +64,14 @@ enum { VOLUMES_MOST = 65535 };
 #define COMES_TO(WHAT, NAME, ACT, GROUP, FLAGS) NAME, NULL, WHAT, ACT, GROUP, FLAGS
 
 /* Parameters: name, type, and .choices, .least and .most as the type requires. */
-#define NEED(...)                                                                                  \
+#define PARAMETER(...)                                                                             \
     {                                                                                              \
-        __VA_ARGS__, .optional = false                                                             \
+        __VA_ARGS__                                                                                \
     }
-#define MAY(...)                                                                                   \
-    {                                                                                              \
-        __VA_ARGS__, .optional = true                                                              \
-    }
-#define KEYED(...)                                                                                 \
-    {                                                                                              \
-        __VA_ARGS__, .optional = true, .keyed = true                                               \
-    }
-#define PAIRED(...)                                                                                \
-    {                                                                                              \
-        __VA_ARGS__, .optional = true, .paired = true                                              \
-    }
+#define NEED(...)    PARAMETER(__VA_ARGS__, .optional = false)
+#define MAY(...)     PARAMETER(__VA_ARGS__, .optional = true)
+#define KEYED(...)   PARAMETER(__VA_ARGS__, .optional = true, .keyed = true)
+#define PAIRED(...)  PARAMETER(__VA_ARGS__, .optional = true, .paired = true)
 
 #define YES_NO(name) KEYED(name, VALUE_CHOICE, .choices = "yes|no")
 

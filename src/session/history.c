@@ -452,9 +452,9 @@ enum err history_note(struct history *history, const struct session *session, co
             return fault_memory(fault, "the history");
         memcpy(point->command, command, bytes);
     }
-    if (!mem_grow(&history->at, &history->at_capacity, history->ats + 1, sizeof *history->at))
-        return fault_memory(fault, "the history");
-    return OK;
+    return mem_grow(&history->at, &history->at_capacity, history->ats + 1, sizeof *history->at)
+               ? OK
+               : fault_memory(fault, "the history");
 }
 
 bool history_moves(const struct history *history)
