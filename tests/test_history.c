@@ -619,10 +619,9 @@ STORY(what_is_put_away_comes_back)
     for (size_t length = 0; length <= BYTES; length = length * 5 + 1) {
         for (size_t i = 0; i < length; i++)
             bytes[i] = (unsigned char)(i % 7 ? below(4) : below(256));
-        struct packed *packed, *again;
+        struct packed *packed;
         CHECK(packed_new(&packed, bytes, length, NULL, NULL) == OK);
-        again = packed_hold(packed);
-        packed_release(&again);
+        packed_release(&(struct packed *){packed_hold(packed)});
         memset(back, 0, sizeof back);
         CHECK(packed_take_out(packed, back, NULL, NULL) == OK && memcmp(bytes, back, length) == 0);
         packed_release(&packed);

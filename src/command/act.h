@@ -104,9 +104,9 @@ enum err act_check_report(const struct act *act);
 enum err act_write_report(const struct act *act, const struct buf *text);
 
 /* Return the labels that a command saves or counts; its pending edits were applied before
- * (COMMAND_ANSWERS). With `finished=yes` these are the finished labels, and their digest is added to
- * the words of the record. At a prompt, without `finished=`, the labels are those of the pictures,
- * and the record contains the choice. The labels of a skimming session are undefined. */
+ * (COMMAND_ANSWERS). With `finished=yes` these are the finished labels, and their digest is added
+ * to the words of the record. At a prompt, without `finished=`, the labels are those of the
+ * pictures, and the record contains the choice. The labels of a skimming session are undefined. */
 enum err act_take_labels(const struct act *act, struct labels *labels);
 
 /* Add a line for each label that the finish deletes, halves or breaks (show/label_loss.h).

@@ -137,9 +137,7 @@ static enum err take_goldens_along(struct buf *made, const struct journal *from,
         err = golden_folder(made, to, fault);
     if (!err && source.folder >= 0)
         err = golden_files_copy(&source, buf_text(made), fault);
-    else
-        buf_clear(made);
-    if (err)
+    if (err || source.folder < 0)
         buf_clear(made);
     return err;
 }

@@ -185,7 +185,6 @@ static bool fill_slice(const struct filling *f, const struct gap *gap, uint32_t 
     const int64_t part = slice - gap->first, parts = gap->last - gap->first;
     int64_t moved[2], begin[2], end[2]; /* the first section, in half voxels */
     size_t filled = 0;
-    bool goes_on = true;
     for (int k = 0; k < 2; k++) {
         const int64_t way = 2 * gap->apart[k] * part, most = f->grid->size[f->across[k]];
         moved[k] = (way + (way < 0 ? -parts : parts)) / (2 * parts);
@@ -194,7 +193,7 @@ static bool fill_slice(const struct filling *f, const struct gap *gap, uint32_t 
         begin[k] = begin[k] > 0 ? begin[k] : 0;
         end[k] = end[k] < most ? end[k] : most;
     }
-    for (int64_t v = begin[1]; v < end[1] && goes_on; v++) {
+    for (int64_t v = begin[1]; v < end[1]; v++) {
         for (int64_t u = begin[0]; u < end[0]; u++) {
             const int64_t u2 = 2 * (u - gap->low[0]) - moved[0],
                           v2 = 2 * (v - gap->low[1]) - moved[1];
@@ -206,11 +205,12 @@ static bool fill_slice(const struct filling *f, const struct gap *gap, uint32_t 
             f->map[cell_at(f, slice, u, v)] = BETWEEN_FILLED;
             filled++;
         }
-        goes_on = end[0] <= begin[0] || task_advance(task, (uint64_t)(end[0] - begin[0]));
+        if (end[0] > begin[0] && !task_advance(task, (uint64_t)(end[0] - begin[0])))
+            return false;
     }
     tally->voxels += filled;
     tally->slices += filled > 0;
-    return goes_on;
+    return true;
 }
 
 static enum err fill_gap(const struct filling *f, uint32_t first, uint32_t last,

@@ -223,12 +223,10 @@ static enum err freed_init(struct freed *freed, const struct adjacency *around,
     }
     const size_t words = (freed->last - freed->first + 2 * (size_t)reach) / 64 + 1;
     freed->origin = (uint64_t)reach - freed->first;
-    freed->within = mem_array(words, sizeof *freed->within);
-    freed->covered = mem_array(words, sizeof *freed->covered);
+    freed->within = mem_new(words * sizeof *freed->within);
+    freed->covered = mem_new(words * sizeof *freed->covered);
     if (!freed->within || !freed->covered)
         return fault_memory(fault, "a marker");
-    memset(freed->within, 0, words * sizeof *freed->within);
-    memset(freed->covered, 0, words * sizeof *freed->covered);
     for (size_t i = 0; i < count; i++)
         freed->within[bit_of(freed, cell[i]) >> 6] |= UINT64_C(1) << (bit_of(freed, cell[i]) & 63);
     return OK;

@@ -213,7 +213,6 @@ enum err session_open(struct session *session, const char *path, const struct vo
                       struct fault *fault)
 {
     const bool is_synthetic = strncmp(path, "synth:", 6) == 0;
-    enum err err;
     if (session->has_scene)
         return fault_set(fault, ERR_USAGE, "a scene is open already; a session has one scene");
     session->part = (struct map_part){0};
@@ -221,10 +220,8 @@ enum err session_open(struct session *session, const char *path, const struct vo
         return fault_set(fault, ERR_USAGE,
                          "volume, crop and reduce apply to files, and not to a synthetic scene; "
                          "nothing was opened");
-    if (is_synthetic)
-        err = open_synthetic(session, path, fault);
-    else
-        err = open_file(session, path, choice, fault);
+    enum err err = is_synthetic ? open_synthetic(session, path, fault)
+                                : open_file(session, path, choice, fault);
     if (!err)
         err = equip(session, session->scene, &session->forest, &session->border, fault);
     if (err) {

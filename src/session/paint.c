@@ -333,11 +333,10 @@ enum err paint_polygon(struct voxels *out, const struct grid *grid, const uint32
         return fault_set(fault, ERR_INPUT,
                          "the corners of a polygon must be in one slice, with the same x, y or z; "
                          "nothing was planted");
-    bool fits = outline_init(&o, corner, corners, axis), goes_on = true;
-    for (uint32_t row = 0; fits && goes_on && row < o.size[1]; row++) {
+    bool fits = outline_init(&o, corner, corners, axis);
+    for (uint32_t row = 0; fits && row < o.size[1] && task_advance(&task, o.size[0] + corners);
+         row++)
         fits = fill_row(out, &o, grid, row);
-        goes_on = task_advance(&task, o.size[0] + corners);
-    }
     free(o.turn);
     free(o.on);
     return outcome(out, fits, watch, fault);
