@@ -321,7 +321,8 @@ formatter() {
     for formatter in clang-format-14 clang-format; do
         $formatter --version 2>/dev/null | grep -q 'version 14\.' && return
     done
-    skip "clang-format 14 is not installed"
+    apt-cache show clang-format-14 >/dev/null 2>&1 && skip "clang-format 14 is not installed"
+    skip "this Debian has no clang-format 14"
     return 1
 }
 

@@ -121,7 +121,8 @@ if name.endswith(".seg.nrrd"):
 elif ".nii" in name:
     header = nibabel.load(name).header
     print(header.get_intent()[0])
-    xml = [e.get_content() for e in header.extensions if e.get_code() in (0, 30)][0]
+    table = [e for e in header.extensions if e.get_code() in (0, 30)][0]
+    xml = table.content if hasattr(table, "content") else table.get_content() # nibabel 5.3, or 4
     for l in tree.fromstring(xml.rstrip(b"\0 \n").decode()).iter("Label"):
         rgb = [round(255 * float(l.get(k))) for k in ("Red", "Green", "Blue")]
         if l.text != "absent":
