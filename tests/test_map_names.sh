@@ -121,8 +121,8 @@ if name.endswith(".seg.nrrd"):
 elif ".nii" in name:
     header = nibabel.load(name).header
     print(header.get_intent()[0])
-    table = [e for e in header.extensions if e.get_code() in (0, 30)][0]
-    xml = table.content if hasattr(table, "content") else table.get_content() # nibabel 5.3, or 4
+    xml = [getattr(e, "content", None) or e.get_content() # in nibabel 5.3, or 4
+           for e in header.extensions if e.get_code() in (0, 30)][0]
     for l in tree.fromstring(xml.rstrip(b"\0 \n").decode()).iter("Label"):
         rgb = [round(255 * float(l.get(k))) for k in ("Red", "Green", "Blue")]
         if l.text != "absent":
@@ -155,8 +155,8 @@ needs teem-unu && {
 begin "volume= chooses a layer of segments, and a note names the others"
 [ ! -x "$build/iftty-volume" ] || {
     expect 0 "$iftty" -c 'open s.nii; labels layers.seg.nrrd volume=1; run; stats'
-    out_has 'volume 1 of 2: the segments vessel (300); other layers: volume=0 3rd ventricle, "left"'
-    out_has 'label 300 vessel: '
+    out_has 'label 300 vessel: ' \
+        'volume 1 of 2: the segments vessel (300); other layers: volume=0 3rd ventricle, "left"'
     ! grep -q '3rd ventricle.*: 1 marker' out || fail "$(cat out)"
 }
 
@@ -201,8 +201,7 @@ printf 'index\tname\tcolor\n4\tmy own\t#010203\n300\tkidney <left> \303\244\t#ff
 same_files want dseg.tsv
 out_has '2 names had to be changed to fit; the first is of label 4, in the file my_own'
 expect 0 "$iftty" -c 'open s.nii; labels bare.nii.gz; label-file dseg.tsv; run; stats'
-out_has '2 names and 2 colours of labels'
-out_has 'label 4 my own: '
+out_has '2 names and 2 colours of labels' 'label 4 my own: '
 
 begin "labels without voxels keep their names; those of kept regions are counted"
 expect 0 "$iftty" -c 'open s.nii; labels code0.nii regions=4,9 as=4,9; run; save labels few.nii.gz'
@@ -217,7 +216,7 @@ begin "the journal alone has the names: replayed, undone in one step, continued 
 expect 0 "$iftty" -c 'open s.nii; labels in.nii.gz; run; save names one.tsv; undo 2
     save names none.tsv; redo 2' --journal n.iftty
 same "$(wc -l <none.tsv)" 1
-mkdir away
+mkdir away x.golden
 mv in.nii.gz away
 expect 0 "$iftty" verify n.iftty
 expect 0 "$iftty" -c 'save names two.tsv' --journal n.iftty
@@ -231,7 +230,6 @@ mv away/in.nii.gz .
 
 begin "a copy that names a label above 255 is rejected, though its digest is that of the record"
 digest=42f7ca7e803072d041b362b4a62ca78d
-mkdir x.golden
 gzip -dc changed | sed 's/Key="4"/Key="70000"/; s/spleeN/sp/' | gzip >x.golden/labels-$digest.nii.gz
 expect 3 "$iftty" -c "open s.nii; labels in.nii.gz copy=$digest" --journal x.iftty
 err_has "labels-$digest.nii.gz names a label 70000, above 255; nothing was planted"
