@@ -429,8 +429,7 @@ void project_stale(struct rendition *r, const struct camera *camera, const struc
     struct task task = task_begin(camera->scene->watch, "rendition", units_of(mesh));
     const size_t tiles = (size_t)r->tiles_x * r->tiles_y;
     struct window window = {INT32_MAX, INT32_MAX, -1, -1, false};
-    for (size_t i = rendition_tile(r, 0, tiles, TILE_STALE); i < tiles;
-         i = rendition_tile(r, i + 1, tiles, TILE_STALE)) {
+    for (size_t i = 0; rendition_tile(r, &i, tiles, TILE_STALE); i++) {
         const struct tile_bounds bounds = rendition_bounds(r, i);
         const struct window tile = window_of(bounds);
         window.left = least_of(window.left, tile.left), window.top = least_of(window.top, tile.top);

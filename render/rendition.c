@@ -43,25 +43,24 @@ size_t rendition_bytes(const struct rendition *r)
 }
 
 /* After an edit most tiles are fresh, so eight are skipped at a time. */
-size_t rendition_tile(const struct rendition *r, size_t tile, size_t end, unsigned states)
+bool rendition_tile(const struct rendition *r, size_t *tile, size_t end, unsigned states)
 {
     const uint64_t of_each = UINT64_C(0x0101010101010101) * states;
-    for (uint64_t eight; tile + sizeof eight <= end; tile += sizeof eight) {
-        memcpy(&eight, r->stale + tile, sizeof eight);
+    for (uint64_t eight; *tile + sizeof eight <= end; *tile += sizeof eight) {
+        memcpy(&eight, r->stale + *tile, sizeof eight);
         if (eight & of_each)
             break;
     }
-    while (tile < end && !(r->stale[tile] & states))
-        tile++;
-    return tile;
+    while (*tile < end && !(r->stale[*tile] & states))
+        ++*tile;
+    return *tile < end;
 }
 
 size_t rendition_count(const struct rendition *r, unsigned states)
 {
     const size_t all = (size_t)r->tiles_x * r->tiles_y;
     size_t count = 0;
-    for (size_t i = rendition_tile(r, 0, all, states); i < all;
-         i = rendition_tile(r, i + 1, all, states))
+    for (size_t i = 0; rendition_tile(r, &i, all, states); i++)
         count++;
     return count;
 }
@@ -311,8 +310,8 @@ static void reduce_share(void *context, unsigned thread)
     const struct reducing *r = context;
     const struct share rows = team_share(r->team, thread, r->fine->tiles_y);
     const size_t after = rows.end * r->fine->tiles_x;
-    size_t tile = rendition_tile(r->fine, rows.first * r->fine->tiles_x, after, NOT_FRESH);
-    for (; tile < after; tile = rendition_tile(r->fine, tile + 1, after, NOT_FRESH)) {
+    size_t tile = rows.first * r->fine->tiles_x;
+    for (; rendition_tile(r->fine, &tile, after, NOT_FRESH); tile++) {
         if (r->samples == 4) /* constants, so that the compiler unrolls the loops */
             reduce_tile(r->out, r->fine, tile, 4);
         else if (r->samples == 2)

@@ -61,9 +61,9 @@ void rendition_release(struct rendition *rendition);
 
 size_t rendition_bytes(const struct rendition *rendition);
 
-/* Return the next tile from number `tile` on, row by row, in one of these states; `end` if no
- * tile before it is. */
-size_t rendition_tile(const struct rendition *rendition, size_t tile, size_t end, unsigned states);
+/* Move *tile to the first tile from it on, row by row, in one of these states; false, with *tile at
+ * `end`, if no tile before that is in one. */
+bool rendition_tile(const struct rendition *rendition, size_t *tile, size_t end, unsigned states);
 
 /* Return the number of tiles in one of these states. */
 size_t rendition_count(const struct rendition *rendition, unsigned states);

@@ -180,8 +180,7 @@ static bool is_bare(const struct rendition *r, struct tile_bounds tile)
 /* Labels of layers are set when they are blended. */
 static void label_tiles(struct rendition *r, size_t first, size_t end, const struct shading *s)
 {
-    for (size_t i = rendition_tile(r, first, end, TILE_STALE); i < end;
-         i = rendition_tile(r, i + 1, end, TILE_STALE)) {
+    for (size_t i = first; rendition_tile(r, &i, end, TILE_STALE); i++) {
         const struct tile_bounds tile = rendition_bounds(r, i);
         const bool bare = r->layers ? layers_are_none(r->layers, tile) : is_bare(r, tile);
         if (bare && !r->blank[i])
@@ -308,9 +307,8 @@ static void shade_tiles(struct rendition *r, size_t first, size_t end, const str
     t.s = s;
     triangles_init(&t.triangles);
     memset(&t.lit, 0, sizeof t.lit);
-    for (size_t i = rendition_tile(r, first, end, TILE_STALE);
-         i < end && task_advance(task, TILE * TILE);
-         i = rendition_tile(r, i + 1, end, TILE_STALE)) {
+    for (size_t i = first;
+         rendition_tile(r, &i, end, TILE_STALE) && task_advance(task, TILE * TILE); i++) {
         const struct tile_bounds tile = rendition_bounds(r, i);
         if (r->layers)
             blend_tile(r, &t, tile);
@@ -327,8 +325,7 @@ static void draw_edges(struct rendition *r, size_t first, size_t end, const stru
 {
     struct edges edges;
     edges_init(&edges, r, s->camera, s->look->samples);
-    for (size_t i = rendition_tile(r, first, end, TILE_LIT); i < end;
-         i = rendition_tile(r, i + 1, end, TILE_LIT)) {
+    for (size_t i = first; rendition_tile(r, &i, end, TILE_LIT); i++) {
         const struct tile_bounds tile = rendition_bounds(r, i);
         for (uint32_t y = tile.top; y < tile.bottom; y++)
             for (uint32_t x = tile.left; x < tile.right; x++) {
@@ -376,8 +373,8 @@ static size_t tile_after(const struct rendition *r, size_t stale)
 {
     const size_t all = (size_t)r->tiles_x * r->tiles_y;
     size_t tile = 0;
-    for (; stale > 0 && tile < all; stale--)
-        tile = rendition_tile(r, tile, all, TILE_STALE) + 1;
+    for (; stale > 0 && rendition_tile(r, &tile, all, TILE_STALE); stale--)
+        tile++;
     return tile;
 }
 

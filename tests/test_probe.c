@@ -200,13 +200,12 @@ static void ask(const struct known *t, struct graphics_wish wish, int lost, size
     const struct term_size size = {.columns = 80, .rows = 24};
     OWNED(buf_release) struct buf asked = {0}, back = {0};
     struct keys keys = {0};
-    *p = (struct probed){.typed = p->typed};
+    *p = (struct probed){.typed = p->typed, .replies.environment = t->environment};
     buf_clear(&p->typed);
     for (unsigned round = 0; round < 3; round++) {
         buf_clear(&asked);
         buf_clear(&back);
-        probe_questions(round, &p->replies, &t->environment, graphics_asks(wish, &t->environment),
-                        &asked);
+        probe_questions(round, &p->replies, graphics_asks(wish, &t->environment), &asked);
         p->rounds += asked.length > 0;
         answer(t, buf_text(&asked), lost, &back);
         const size_t first = cut < p->bytes ? 0 : cut - p->bytes;
@@ -215,8 +214,8 @@ static void ask(const struct known *t, struct graphics_wish wish, int lost, size
         probe_take(&p->replies, &keys, buf_text(&back) + head, back.length - head, &p->typed);
         p->bytes += back.length;
     }
-    probe_decide(&p->replies, &t->environment, &size, &p->facts);
-    p->facts.graphics = graphics_choose(&p->replies, &t->environment, wish);
+    probe_decide(&p->replies, &size, &p->facts);
+    p->facts.graphics = graphics_choose(&p->replies, wish);
 }
 
 static void check_facts(const struct known *t, const struct terminal_facts *f)
@@ -267,13 +266,12 @@ STORY(the_mouse_counts_pixels_where_the_terminal_says_so)
                  {"tmux 3.3a", "", 640, MOUSE_CELLS}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const struct term_size size = {80, 24, cases[i].width, cases[i].width * 3 / 5};
-        const struct probe_environment e = TERM("xterm-256color");
-        struct probe_replies r = {.da1 = true};
+        struct probe_replies r = {.environment = TERM("xterm-256color"), .da1 = true};
         struct terminal_facts f;
         snprintf(r.name, sizeof r.name, "%s", cases[i].name);
         probe_reply(&r, cases[i].reply);
-        probe_decide(&r, &e, &size, &f);
-        f.graphics = graphics_choose(&r, &e, graphics_auto);
+        probe_decide(&r, &size, &f);
+        f.graphics = graphics_choose(&r, graphics_auto);
         CHECK_INT(f.mouse_unit, cases[i].unit);
     }
 }
@@ -364,7 +362,6 @@ static struct graphics_wish wish(const char *name)
 STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
 {
     OWNED(buf_release) struct buf asked = {0};
-    const struct probe_replies none = {0};
     for (size_t i = 0; i < TERMINALS; i++)
         for (size_t k = 0; k < graphics_auto.count; k++) {
             const struct graphics *g = graphics_auto.of[k];
@@ -376,14 +373,15 @@ STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
                 CHECK(probed.facts.graphics == g);
             CHECK_TEXT(probed.replies.answers, "");
         }
-    const struct probe_environment xterm = TERM("xterm"), linux_console = TERM("linux");
-    const struct probe_environment no_color = {.term = "xterm", .no_color = true};
-    probe_questions(0, &none, &xterm, graphics_asks(wish("none"), &xterm), &asked);
-    probe_questions(0, &none, &linux_console, graphics_asks(wish("kitty"), &linux_console), &asked);
+    const struct probe_replies xterm = {.environment = TERM("xterm")};
+    const struct probe_replies console = {.environment = TERM("linux")};
+    const struct probe_replies no_color = {.environment = {.term = "xterm", .no_color = true}};
+    probe_questions(0, &xterm, graphics_asks(wish("none"), &xterm.environment), &asked);
+    probe_questions(0, &console, graphics_asks(wish("kitty"), &console.environment), &asked);
     CHECK_INT(asked.length, 0);
-    probe_questions(0, &none, &xterm, graphics_asks(wish("blocks"), &xterm), &asked);
+    probe_questions(0, &xterm, graphics_asks(wish("blocks"), &xterm.environment), &asked);
     CHECK_TEXT(buf_text(&asked), "\033[c");
-    probe_questions(0, &none, &no_color, graphics_asks(graphics_auto, &no_color), &asked);
+    probe_questions(0, &no_color, graphics_asks(graphics_auto, &no_color.environment), &asked);
     CHECK_TEXT(buf_text(&asked), "\033[c\033[c");
 }
 
@@ -424,13 +422,13 @@ STORY(colours_are_those_of_the_name)
                  {"dumb", "truecolor", false, COLOURS_NONE},
                  {"xterm-kitty", "truecolor", true, COLOURS_NONE}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const struct probe_environment e = {
-            .term = cases[i].term, .colorterm = cases[i].colorterm, .no_color = cases[i].no_color};
         const struct term_size size = {.columns = 80, .rows = 24};
-        const struct probe_replies none = {0};
+        const struct probe_replies none = {.environment = {.term = cases[i].term,
+                                                           .colorterm = cases[i].colorterm,
+                                                           .no_color = cases[i].no_color}};
         struct terminal_facts f;
-        probe_decide(&none, &e, &size, &f);
-        f.graphics = graphics_choose(&none, &e, graphics_auto);
+        probe_decide(&none, &size, &f);
+        f.graphics = graphics_choose(&none, graphics_auto);
         CHECK_INT(f.colours, cases[i].colours);
     }
 }

@@ -590,16 +590,17 @@ STORY(garbage_is_no_reply)
 static struct terminal_facts decide(const char *term, const char *replies_text, const char *name,
                                     bool no_color)
 {
-    struct probe_environment e = {.term = term, .colorterm = "", .no_color = no_color};
     struct term_size size = {.columns = 80, .rows = 24};
     struct graphics_wish wish;
     struct terminal_facts facts;
     take_all(replies_text, 7);
+    heard.environment =
+        (struct probe_environment){.term = term, .colorterm = "", .no_color = no_color};
     if (strstr(replies_text, "_Gi=31"))
-        CHECK(graphics_kitty.question.may_ask(&heard, &e));
+        CHECK(graphics_kitty.question.may_ask(&heard));
     CHECK(graphics_from_name(name, &wish));
-    probe_decide(&heard, &e, &size, &facts);
-    facts.graphics = graphics_choose(&heard, &e, wish);
+    probe_decide(&heard, &size, &facts);
+    facts.graphics = graphics_choose(&heard, wish);
     return facts;
 }
 
@@ -670,10 +671,10 @@ STORY(only_the_kitty_family_is_asked_for_kitty_graphics)
                  {"tmux-256color", "kitty(0.31.0)", false},
                  {"xterm-kitty", "XTerm(379)", false}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct probe_replies r = {.kind = 1};
-        struct probe_environment e = {.term = cases[i].term, .colorterm = ""};
+        struct probe_replies r = {.environment = {.term = cases[i].term, .colorterm = ""},
+                                  .kind = 1};
         snprintf(r.name, sizeof r.name, "%s", cases[i].name);
-        CHECK_INT(graphics_kitty.question.may_ask(&r, &e), cases[i].ask);
+        CHECK_INT(graphics_kitty.question.may_ask(&r), cases[i].ask);
     }
 }
 
@@ -688,11 +689,11 @@ STORY(the_cell_size_comes_from_whoever_tells_a_sensible_one)
                  {{80, 24, 0, 0}, "\033[4;360;560t", 7, 15},
                  {{80, 24, 80, 24}, "", 8, 16},
                  {{80, 24, 60000, 60000}, "\033[6;900;3t", 8, 16}};
-    struct probe_environment e = {.term = "xterm", .colorterm = ""};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct terminal_facts f;
         take_all(cases[i].replies, 3);
-        probe_decide(&heard, &e, &cases[i].size, &f);
+        heard.environment = (struct probe_environment){.term = "xterm", .colorterm = ""};
+        probe_decide(&heard, &cases[i].size, &f);
         CHECK_INT(f.cell_width, cases[i].width);
         CHECK_INT(f.cell_height, cases[i].height);
         CHECK_INT(f.image_side_most, 1000);

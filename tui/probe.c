@@ -147,21 +147,22 @@ static bool is_console(const struct probe_environment *e)
     return any(starts_with, e->term, console);
 }
 
-static bool in_tmux(const struct probe_replies *replies, const struct probe_environment *e)
+static bool in_tmux(const struct probe_replies *replies)
 {
     return starts_with(replies->name, "tmux") || replies->kind == KIND_TMUX ||
-           (starts_with(e->term, "tmux") && replies->kind != KIND_SCREEN);
+           (starts_with(replies->environment.term, "tmux") && replies->kind != KIND_SCREEN);
 }
 
 /* With TERM=screen it may be tmux too, depending on its settings. */
-bool probe_is_screen(const struct probe_replies *replies, const struct probe_environment *e)
+bool probe_is_screen(const struct probe_replies *replies)
 {
-    return replies->kind == KIND_SCREEN || (starts_with(e->term, "screen") && !in_tmux(replies, e));
+    return replies->kind == KIND_SCREEN ||
+           (starts_with(replies->environment.term, "screen") && !in_tmux(replies));
 }
 
-bool probe_is_multiplexed(const struct probe_replies *replies, const struct probe_environment *e)
+bool probe_is_multiplexed(const struct probe_replies *replies)
 {
-    return in_tmux(replies, e) || probe_is_screen(replies, e);
+    return in_tmux(replies) || probe_is_screen(replies);
 }
 
 bool probe_is_silent(const struct probe_environment *e, struct probe_wish wish)
@@ -169,31 +170,31 @@ bool probe_is_silent(const struct probe_environment *e, struct probe_wish wish)
     return probe_is_plain(e->term) || is_console(e) || wish.depth == PROBE_NOTHING;
 }
 
-bool probe_is_named(const struct probe_replies *replies, const struct probe_environment *e,
-                    const char *const *names)
+bool probe_is_named(const struct probe_replies *replies, const char *const *names)
 {
-    return any(contains, replies->name[0] ? replies->name : e->term, names);
+    return any(contains, replies->name[0] ? replies->name : replies->environment.term, names);
 }
 
-void probe_questions(unsigned round, const struct probe_replies *replies,
-                     const struct probe_environment *e, struct probe_wish wish, struct buf *out)
+void probe_questions(unsigned round, const struct probe_replies *replies, struct probe_wish wish,
+                     struct buf *out)
 {
     static const char *const careful[] = {"alacritty", "foot",    "contour", "kitty",
                                           "ghostty",   "wezterm", NULL};
     const size_t before = out->length;
     const bool first = round == 0, all = wish.depth == PROBE_ALL;
     bool clears_up = false;
-    if (probe_is_silent(e, wish) || round > 1 || (!first && (!all || !replies->da1)))
+    if (probe_is_silent(&replies->environment, wish) || round > 1 ||
+        (!first && (!all || !replies->da1)))
         return;
     if (first && all)
         buf_add_text(out, CSI_QUESTIONS);
-    if (!first && (replies->name[0] ||
-                   (any(contains, e->term, careful) && !probe_is_multiplexed(replies, e))))
+    if (!first && (replies->name[0] || (any(contains, replies->environment.term, careful) &&
+                                        !probe_is_multiplexed(replies))))
         buf_add_text(out, MODE_QUESTION);
     if (!first && replies->attributes >> 4 & 1)
         buf_add_text(out, SIDE_QUESTION);
     for (size_t i = 0; !first && i < wish.questions; i++)
-        if (wish.question[i].may_ask(replies, e)) {
+        if (wish.question[i].may_ask(replies)) {
             buf_add_text(out, wish.question[i].text);
             clears_up = true;
         }
@@ -205,23 +206,24 @@ void probe_questions(unsigned round, const struct probe_replies *replies,
 
 /* iTerm2 has reported its name only since 3.4; it sends LC_TERMINAL through ssh. A terminal with
  * another name was started inside iTerm2, and both variables are stale. */
-bool probe_is_iterm(const struct probe_replies *replies, const struct probe_environment *e)
+bool probe_is_iterm(const struct probe_replies *replies)
 {
     static const char *const name[] = {"iTerm2", NULL}, *const program[] = {"iTerm.app", NULL};
-    if (probe_is_multiplexed(replies, e))
+    if (probe_is_multiplexed(replies))
         return false;
     if (replies->name[0])
         return any(contains, replies->name, name);
     if (!replies->da1 || replies->kind == KIND_XTERM)
         return false;
-    return any(equals, e->term_program, program) || any(equals, e->lc_terminal, name);
+    return any(equals, replies->environment.term_program, program) ||
+           any(equals, replies->environment.lc_terminal, name);
 }
 
 /* COLORTERM does not survive ssh and is stale inside screen; tmux supports 24-bit colours itself
  * and converts them for the outer terminal. */
-static enum colours decide_colours(const struct probe_replies *replies,
-                                   const struct probe_environment *e)
+static enum colours decide_colours(const struct probe_replies *replies)
 {
+    const struct probe_environment *e = &replies->environment;
     static const char *const all[] = {"kitty",   "ghostty", "wezterm",   "konsole", "foot",
                                       "xterm(",  "tmux",    "alacritty", "iterm2",  "mintty",
                                       "contour", "vte",     "xterm.js",  "direct",  NULL};
@@ -229,30 +231,29 @@ static enum colours decide_colours(const struct probe_replies *replies,
     static const char *const says_all[] = {"truecolor", "24bit", NULL};
     if (e->no_color || probe_is_plain(e->term) || starts_with(e->term, "vt"))
         return COLOURS_NONE;
-    if (probe_is_screen(replies, e))
+    if (probe_is_screen(replies))
         return COLOURS_256;
     if (any(contains, replies->name, all) || any(contains, e->term, all) ||
         replies->kind == KIND_VTE)
         return COLOURS_24BIT;
     if (is_console(e) || any(equals, e->term, few) || ends_with(e->term, "-16color"))
         return COLOURS_16;
-    return any(equals, e->colorterm, says_all) || probe_is_iterm(replies, e) ? COLOURS_24BIT
-                                                                             : COLOURS_256;
+    return any(equals, e->colorterm, says_all) || probe_is_iterm(replies) ? COLOURS_24BIT
+                                                                          : COLOURS_256;
 }
 
 /* Terminals that draw these characters themselves have them with any font; half blocks are in every
  * font. The terminal outside a multiplexer is unknown. */
-static enum block_shape decide_shape(const struct probe_replies *replies,
-                                     const struct probe_environment *e)
+static enum block_shape decide_shape(const struct probe_replies *replies)
 {
     static const char *const sextant[] = {"kitty", "foot", "wezterm", "ghostty", "contour", NULL};
     static const char *const quadrant[] = {"alacritty", "konsole", "iterm2", "vte", "xterm(", NULL};
-    if (probe_is_multiplexed(replies, e))
+    if (probe_is_multiplexed(replies))
         return BLOCK_HALF;
-    if (probe_is_named(replies, e, sextant))
+    if (probe_is_named(replies, sextant))
         return BLOCK_SEXTANT;
-    return probe_is_named(replies, e, quadrant) || replies->kind == KIND_VTE ? BLOCK_QUADRANT
-                                                                             : BLOCK_HALF;
+    return probe_is_named(replies, quadrant) || replies->kind == KIND_VTE ? BLOCK_QUADRANT
+                                                                          : BLOCK_HALF;
 }
 
 static bool use_cell(struct terminal_facts *facts, uint32_t width, uint32_t height)
@@ -269,14 +270,14 @@ bool probe_resize(struct terminal_facts *facts, const struct term_size *size)
     return use_cell(facts, size->width_px / size->columns, size->height_px / size->rows);
 }
 
-void probe_decide(const struct probe_replies *replies, const struct probe_environment *e,
-                  const struct term_size *size, struct terminal_facts *facts)
+void probe_decide(const struct probe_replies *replies, const struct term_size *size,
+                  struct terminal_facts *facts)
 {
-    *facts = (struct terminal_facts){.colours = decide_colours(replies, e),
+    *facts = (struct terminal_facts){.colours = decide_colours(replies),
                                      .cell_width = 8,
                                      .cell_height = 16,
                                      .image_side_most = SIDE_UNTOLD,
-                                     .shape = decide_shape(replies, e),
+                                     .shape = decide_shape(replies),
                                      .answers = replies->da1,
                                      .synchronizes = replies->synchronizes,
                                      .mouse = replies->da1};
@@ -286,9 +287,9 @@ void probe_decide(const struct probe_replies *replies, const struct probe_enviro
     has_cell |= probe_resize(facts, size);
     /* Use pixels only if the size of a cell is known. kitty and ghostty count pixels from 0. */
     static const char *const from_0[] = {"kitty", "ghostty", NULL};
-    facts->mouse_unit = !replies->points || !has_cell        ? MOUSE_CELLS
-                        : probe_is_named(replies, e, from_0) ? MOUSE_PIXELS_FROM_0
-                                                             : MOUSE_PIXELS;
+    facts->mouse_unit = !replies->points || !has_cell     ? MOUSE_CELLS
+                        : probe_is_named(replies, from_0) ? MOUSE_PIXELS_FROM_0
+                                                          : MOUSE_PIXELS;
     if (replies->image_width > 0 && replies->image_height > 0)
         facts->image_side_most = replies->image_width < replies->image_height
                                      ? replies->image_width
@@ -357,14 +358,13 @@ void probe_leave(const struct terminal_facts *facts, unsigned due)
 enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
                         struct terminal_facts *facts, struct buf *typed, struct fault *fault)
 {
-    const struct probe_environment e = probe_environment_now();
     OWNED(buf_release) struct buf questions = {0};
     uint64_t round_trip_ns = 0;
     bool answer_due = false;
     enum err err = OK;
     for (unsigned round = 0; !err && round < 2; round++) {
         buf_clear(&questions);
-        probe_questions(round, replies, &e, wish, &questions);
+        probe_questions(round, replies, wish, &questions);
         if (questions.failed)
             err = fault_memory(fault, "the questions to the terminal");
         else if (questions.length > 0)
@@ -377,7 +377,7 @@ enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
             round_trip_ns = clock_ns() - begin;
     }
     const struct term_size size = term_size();
-    probe_decide(replies, &e, &size, facts);
+    probe_decide(replies, &size, facts);
     facts->round_trip_ns = round_trip_ns;
     facts->answer_due = answer_due;
     return err;

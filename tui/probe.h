@@ -72,7 +72,8 @@ struct probe_environment {
 };
 
 struct probe_replies {
-    bool da1, synchronizes, points; /* in pixels, by ESC[?1016h */
+    struct probe_environment environment; /* the rest is from the terminal */
+    bool da1, synchronizes, points;       /* in pixels, by ESC[?1016h */
     uint64_t attributes; /* parameters of DA1: bit N for parameter N below 64; 4 is sixel */
     char answers
         [64];      /* replies to questions about graphics protocols, APC: "_Gi=31;OK", one a line */
@@ -94,20 +95,16 @@ bool probe_take(struct probe_replies *replies, struct keys *keys, const char *by
 bool probe_is_plain(const char *term);
 
 /* Return true if the terminal is inside tmux or screen. */
-bool probe_is_multiplexed(const struct probe_replies *replies,
-                          const struct probe_environment *environment);
+bool probe_is_multiplexed(const struct probe_replies *replies);
 
 /* Return true if it is inside screen, which passes no pixels on. */
-bool probe_is_screen(const struct probe_replies *replies,
-                     const struct probe_environment *environment);
+bool probe_is_screen(const struct probe_replies *replies);
 
 /* Return true if the terminal's name, or TERM if it has reported none, contains one of `names`, a
  * list ended by NULL. */
-bool probe_is_named(const struct probe_replies *replies,
-                    const struct probe_environment *environment, const char *const *names);
+bool probe_is_named(const struct probe_replies *replies, const char *const *names);
 
-bool probe_is_iterm(const struct probe_replies *replies,
-                    const struct probe_environment *environment);
+bool probe_is_iterm(const struct probe_replies *replies);
 
 /* ---- the questions ---- */
 
@@ -122,7 +119,7 @@ struct probe_wish {
     enum probe_depth depth;
     struct probe_question {
         const char *text;
-        bool (*may_ask)(const struct probe_replies *, const struct probe_environment *);
+        bool (*may_ask)(const struct probe_replies *);
     } question[PROBE_QUESTIONS_MOST];
     size_t questions;
 };
@@ -132,13 +129,12 @@ bool probe_is_silent(const struct probe_environment *environment, struct probe_w
 
 /* Add the questions of this round, 0 or 1, given the replies to the round before, if any. They end
  * with a DA1 question and a sequence that removes printed questions. */
-void probe_questions(unsigned round, const struct probe_replies *replies,
-                     const struct probe_environment *environment, struct probe_wish wish,
+void probe_questions(unsigned round, const struct probe_replies *replies, struct probe_wish wish,
                      struct buf *out);
 
 /* Derive all facts except `graphics`, which is set to NULL. */
-void probe_decide(const struct probe_replies *replies, const struct probe_environment *environment,
-                  const struct term_size *size, struct terminal_facts *facts);
+void probe_decide(const struct probe_replies *replies, const struct term_size *size,
+                  struct terminal_facts *facts);
 
 /* Update the cell size after the window changed; false, and unchanged, if the window does not
  * report it. */

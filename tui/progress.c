@@ -11,12 +11,6 @@
 
 enum { BAR = 24, LEFT_AFTER_MS = 200 };
 
-void progress_init(struct progress *progress, int fd)
-{
-    *progress = (struct progress){
-        .fd = fd, .shows = isatty(fd) == 1, .has_blocks = locale_is_utf8(), .columns = 80};
-}
-
 void progress_line(struct buf *out, const struct progress_step *step, bool has_blocks,
                    unsigned columns)
 {

@@ -32,6 +32,7 @@ struct progress_step {
     uint64_t seconds_left; /* until the step ends */
 };
 
+/* Begins with the first four members and `columns`, 80. */
 struct progress {
     int fd;
     bool shows;        /* fd is a terminal */
@@ -45,8 +46,6 @@ struct progress {
     uint64_t step_ns, step_done;
     uint64_t step_seen; /* units done at the last call */
 };
-
-void progress_init(struct progress *progress, int fd);
 
 /* Report `done` of `total` units (0: unknown) of the step `what`, at a time by base/clock.h. */
 void progress_show(struct progress *progress, const char *what, uint64_t done, uint64_t total,

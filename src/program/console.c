@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "command/trust.h"
+#include "tui/cells.h"
 #include "tui/progress.h"
 
 static volatile sig_atomic_t interrupted, idle;
@@ -18,7 +19,10 @@ void console_init(const char *program)
 {
     name = program;
     signal(SIGPIPE, SIG_IGN); /* writing to a closed pipe returns an error instead */
-    progress_init(&progress, STDERR_FILENO);
+    progress = (struct progress){.fd = STDERR_FILENO,
+                                 .shows = isatty(STDERR_FILENO) == 1,
+                                 .has_blocks = locale_is_utf8(),
+                                 .columns = 80};
 }
 
 /* ---- Ctrl-C ---- */

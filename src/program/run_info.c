@@ -51,41 +51,38 @@ struct facts {
     struct histogram histogram; /* for lines: printed after them */
 };
 
-static void begin_line(struct facts *f, const char *name)
+/* Begin a line; false for JSON, where the caller adds a member. */
+static bool begin_line(struct facts *f, const char *name)
 {
-    buf_printf(f->out, "%s%-9s ", f->lines++ ? "\n" : "", name);
+    if (!f->is_json)
+        buf_printf(f->out, "%s%-9s ", f->lines++ ? "\n" : "", name);
+    return !f->is_json;
 }
 
 static void add_text(struct facts *f, const char *name, const char *value)
 {
-    if (f->is_json) {
+    if (begin_line(f, name))
+        buf_add_safe_text(f->out, value);
+    else
         json_text(&f->json, name, value);
-        return;
-    }
-    begin_line(f, name);
-    buf_add_safe_text(f->out, value);
 }
 
 static void add_count(struct facts *f, const char *name, uint64_t value)
 {
-    if (f->is_json) {
+    if (begin_line(f, name))
+        buf_printf(f->out, "%llu", (unsigned long long)value);
+    else
         json_count(&f->json, name, value);
-        return;
-    }
-    begin_line(f, name);
-    buf_printf(f->out, "%llu", (unsigned long long)value);
 }
 
 /* Add "pixels", "voxels" or "size", along each axis. */
 static void add_sides(struct facts *f, const char *name, const uint32_t *side, unsigned axes)
 {
-    if (f->is_json) {
-        json_counts(&f->json, name, side, axes);
-        return;
-    }
-    begin_line(f, name);
-    for (unsigned a = 0; a < axes; a++)
+    const bool is_line = begin_line(f, name);
+    for (unsigned a = 0; is_line && a < axes; a++)
         buf_printf(f->out, "%s%u", a ? "x" : "", side[a]);
+    if (!is_line)
+        json_counts(&f->json, name, side, axes);
 }
 
 static void add_spacing(struct facts *f, const struct geometry *g)
@@ -94,8 +91,7 @@ static void add_spacing(struct facts *f, const struct geometry *g)
         add_text(f, "spacing", "unknown");
         return;
     }
-    if (!f->is_json) {
-        begin_line(f, "spacing");
+    if (begin_line(f, "spacing")) {
         buf_printf(f->out, "%.6gx%.6gx%.6g mm", g->spacing_nm[0] / 1e6, g->spacing_nm[1] / 1e6,
                    g->spacing_nm[2] / 1e6);
         return;
@@ -147,10 +143,8 @@ static void add_notes(struct facts *f, const struct picture *p)
     OWNED(picture_release) struct picture notes = {0};
     if (!p->attributes && !f->is_json)
         return;
-    if (f->is_json)
+    if (!begin_line(f, "notes"))
         json_object(&f->json, "notes");
-    else
-        begin_line(f, "notes");
     if (collect_notes(&notes, p))
         f->out->failed = true;
     for (size_t i = 0; i < notes.attributes; i++) {
@@ -368,12 +362,11 @@ static void add_program(struct facts *f)
     const bool knows_calls = confine_knows_calls();
     add_text(f, "version", PROGRAM_VERSION);
     add_count(f, "semantics", SEMANTICS);
-    if (f->is_json) {
+    if (!begin_line(f, "landlock")) {
         json_count(&f->json, "landlock", (uint64_t)landlock);
         json_boolean(&f->json, "seccomp", knows_calls);
         return;
     }
-    begin_line(f, "landlock");
     if (landlock == 0)
         buf_add_text(f->out, "none in this kernel: replay and verify check names alone, and the "
                              "helpers can open all your files");

@@ -84,12 +84,13 @@ static void check_facts(const struct probe_replies *replies)
     static const char *const terms[] = {"xterm", "xterm-kitty", "screen", "tmux-256color", "linux"};
     const struct term_size size = {.columns = 80, .rows = 24};
     for (size_t i = 0; i < sizeof terms / sizeof terms[0]; i++) {
-        const struct probe_environment e = {.term = terms[i]};
+        struct probe_replies in = *replies;
+        in.environment = (struct probe_environment){.term = terms[i]};
         struct terminal_facts facts;
         struct buf asked = {0};
-        probe_decide(replies, &e, &size, &facts);
-        facts.graphics = graphics_choose(replies, &e, graphics_auto);
-        probe_questions(1, replies, &e, graphics_asks(graphics_auto, &e), &asked);
+        probe_decide(&in, &size, &facts);
+        facts.graphics = graphics_choose(&in, graphics_auto);
+        probe_questions(1, &in, graphics_asks(graphics_auto, &in.environment), &asked);
         HOLDS(facts.graphics && facts.cell_width >= 4 && facts.cell_width <= 64);
         HOLDS(facts.cell_height >= 4 && facts.cell_height <= 64 && facts.image_side_most > 0);
         HOLDS(facts.graphics != &graphics_sixel || replies->attributes >> 4 & 1);

@@ -55,25 +55,24 @@ struct probe_wish graphics_asks(struct graphics_wish wish, const struct probe_en
 
 /* Return the row, or its replacement for a terminal that supports only the common part of its
  * protocol. */
-static const struct graphics *all_of(const struct graphics *g, const struct probe_replies *replies,
-                                     const struct probe_environment *e)
+static const struct graphics *all_of(const struct graphics *g, const struct probe_replies *replies)
 {
     const char *const maker[] = {g->made_by, NULL};
-    return !g->made_by || probe_is_named(replies, e, maker) ? g : g->instead;
+    return !g->made_by || probe_is_named(replies, maker) ? g : g->instead;
 }
 
 const struct graphics *graphics_choose(const struct probe_replies *replies,
-                                       const struct probe_environment *e, struct graphics_wish wish)
+                                       struct graphics_wish wish)
 {
+    const struct probe_environment *e = &replies->environment;
     for (size_t i = 0; i + 1 < wish.count; i++) {
         const struct graphics *g = wish.of[i];
-        const bool refused =
-            probe_is_plain(e->term) ||
-            (g->kind == GRAPHICS_PIXELS && (e->no_color || probe_is_screen(replies, e)));
-        if (!refused && (!g->fits || g->fits(replies, e)))
-            return all_of(g, replies, e);
+        const bool refused = probe_is_plain(e->term) || (g->kind == GRAPHICS_PIXELS &&
+                                                         (e->no_color || probe_is_screen(replies)));
+        if (!refused && (!g->fits || g->fits(replies)))
+            return all_of(g, replies);
     }
-    return all_of(wish.of[wish.count - 1], replies, e);
+    return all_of(wish.of[wish.count - 1], replies);
 }
 
 const char *graphics_recovery(const struct terminal_facts *facts)
@@ -84,11 +83,11 @@ const char *graphics_recovery(const struct terminal_facts *facts)
 enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
                         struct fault *fault)
 {
-    const struct probe_environment e = probe_environment_now();
-    struct probe_replies replies = {0};
+    struct probe_replies replies = {.environment = probe_environment_now()};
     char words[TERM_WORDS];
-    const enum err err = probe_terminal(graphics_asks(wish, &e), &replies, facts, typed, fault);
-    facts->graphics = graphics_choose(&replies, &e, wish);
+    const enum err err =
+        probe_terminal(graphics_asks(wish, &replies.environment), &replies, facts, typed, fault);
+    facts->graphics = graphics_choose(&replies, wish);
     snprintf(words, sizeof words, "%s%s", graphics_recovery(facts),
              facts->synchronizes ? "\033[?2026l" : "");
     term_set_recovery(words, facts->answers);
@@ -149,11 +148,10 @@ void show_inline(const struct terminal_facts *facts, const struct image_view *vi
         add_framed(facts, view, out);
         return;
     }
-    uint8_t *rgba = image_view_shrink(view, fitting.width, fitting.height);
+    OWNED(mem_release) uint8_t *rgba = image_view_shrink(view, fitting.width, fitting.height);
     fitting.rgba = rgba;
     if (rgba)
         add_framed(facts, &fitting, out);
     else
         out->failed = true;
-    free(rgba);
 }

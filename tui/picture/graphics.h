@@ -46,7 +46,6 @@ struct probe_wish graphics_asks(struct graphics_wish wish,
 
 /* Choose the row that shows pictures, by the replies. */
 const struct graphics *graphics_choose(const struct probe_replies *replies,
-                                       const struct probe_environment *environment,
                                        struct graphics_wish wish);
 
 /* Ask the terminal, which must be open and raw (probe_terminal), and decide; set the recovery

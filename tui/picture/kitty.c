@@ -51,20 +51,18 @@ enum { PICTURE_Z = 2, STRIP_Z = 1, HOLD = 1000 };
 /* ---- finding it ---- */
 
 /* "_Gi=31;OK" */
-static bool fits(const struct probe_replies *replies, const struct probe_environment *environment)
+static bool fits(const struct probe_replies *replies)
 {
     const char *answer = strstr(replies->answers, "_G");
-    (void)environment;
     return answer && strstr(answer, ";OK");
 }
 
 /* A terminal without a name may be screen, whatever TERM is. */
-static bool may_ask(const struct probe_replies *replies,
-                    const struct probe_environment *environment)
+static bool may_ask(const struct probe_replies *replies)
 {
     static const char *const family[] = {"kitty", "ghostty", "wezterm", "konsole", NULL};
-    return (replies->name[0] || replies->kind) && !probe_is_multiplexed(replies, environment) &&
-           probe_is_named(replies, environment, family);
+    return (replies->name[0] || replies->kind) && !probe_is_multiplexed(replies) &&
+           probe_is_named(replies, family);
 }
 
 /* ---- drawing ---- */
@@ -322,10 +320,9 @@ static void whole_tile(struct painter *p, const struct raster *raster, struct bu
 }
 
 /* It is never detected: it replaces kitty's row for other terminals, or the user asks for it. */
-static bool never(const struct probe_replies *replies, const struct probe_environment *environment)
+static bool never(const struct probe_replies *replies)
 {
     (void)replies;
-    (void)environment;
     return false;
 }
 

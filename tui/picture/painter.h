@@ -198,7 +198,7 @@ struct graphics {
     enum graphics_kind kind;
 
     /* -- detection: NULL is no question, or always fits -- */
-    bool (*fits)(const struct probe_replies *, const struct probe_environment *);
+    bool (*fits)(const struct probe_replies *);
     struct probe_question question; /* in the second round */
     const char *recovery;           /* ends a transmission cut in two; NULL: ESC \ */
     const char *made_by; /* the terminal that supports all of the protocol; NULL: all that fit, */

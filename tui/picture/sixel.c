@@ -223,9 +223,8 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
 }
 
 /* DA1 with parameter 4. */
-static bool fits(const struct probe_replies *replies, const struct probe_environment *environment)
+static bool fits(const struct probe_replies *replies)
 {
-    (void)environment;
     return replies->attributes >> 4 & 1;
 }
 

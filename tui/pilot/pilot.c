@@ -638,25 +638,18 @@ static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
 
 static enum err do_request(struct pilot *p, enum pilot_request request, struct fault *fault)
 {
-    enum err err = OK;
-    switch (request) {
-    case PILOT_PROMPT:
+    if (request == PILOT_PROMPT)
         return ask_for_command(p, fault);
-    case PILOT_SHOW_KEYS:
+    if (request == PILOT_SHOW_KEYS)
         return show_by_pages(p, NULL, fault);
-    case PILOT_REDRAW:
+    if (request == PILOT_REDRAW)
         return clear_picture(p, true, fault);
-    case PILOT_SUSPEND:
-        err = leave_screen(p, fault);
-        term_suspend();
-        lay_out(p);
-        break;
-    case PILOT_LEAVE:
-        p->is_over = true;
-        break;
-    case PILOT_NOTHING:
-        break;
-    }
+    p->is_over |= request == PILOT_LEAVE;
+    if (request != PILOT_SUSPEND)
+        return OK;
+    const enum err err = leave_screen(p, fault);
+    term_suspend();
+    lay_out(p);
     return err;
 }
 

@@ -380,11 +380,10 @@ void pilot_magnify(struct press *p)
 
 void pilot_recentre(struct press *p)
 {
-    if (p->facts->times == PILOT_TIMES_ONE) {
+    if (p->facts->times == PILOT_TIMES_ONE)
         pilot_say(p, "slices are shown whole; {magnify} shows them larger");
-        return;
-    }
-    add_magnify(p, p->facts->times, p->facts->place);
+    else
+        add_magnify(p, p->facts->times, p->facts->place);
 }
 
 /* Move slices within the pane if they are magnified, but the rendition in PILOT_PICKING. The
