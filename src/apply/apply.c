@@ -11,6 +11,7 @@
 #include "base/choice.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "base/mem.h"
 #include "base/scan.h"
 #include "command/table.h"
 #include "session/map.h"
@@ -26,6 +27,8 @@ struct applying {
     struct buf text; /* report as JSON, printed at the end */
     struct json json;
     size_t refused, failed, made, there;
+    uint32_t number[256]; /* numbers of the procedure's labels */
+    uint8_t order[256];   /* labels by their numbers */
 };
 
 /* ---- options and inputs ---- */
@@ -70,74 +73,64 @@ static enum err take_options(struct applying *a, struct fault *fault)
 static enum err check_names(struct applying *a, struct fault *fault)
 {
     const struct apply_options *o = a->options;
-    enum err err = OK;
-    for (size_t i = 1; !err && i < o->scenes; i++)
-        for (size_t k = 0; !err && k < i; k++) {
-            struct buf name[2] = {{0}, {0}};
+    for (size_t i = 1; i < o->scenes; i++)
+        for (size_t k = 0; k < i; k++) {
+            OWNED(buf_release) struct buf name = {0}, other = {0};
             a->choice.scene = o->scene[i];
-            subject_path(&name[0], &a->choice, SUBJECT_JOURNAL);
+            subject_path(&name, &a->choice, SUBJECT_JOURNAL);
             a->choice.scene = o->scene[k];
-            subject_path(&name[1], &a->choice, SUBJECT_JOURNAL);
-            if (strcmp(buf_text(&name[0]), buf_text(&name[1])) == 0)
-                err = fault_set(fault, ERR_USAGE,
-                                "%s and %s would both be written to %s; apply them one by one, "
-                                "each with its own --out DIR",
-                                o->scene[k], o->scene[i], buf_text(&name[0]));
-            buf_release(&name[0]);
-            buf_release(&name[1]);
+            subject_path(&other, &a->choice, SUBJECT_JOURNAL);
+            if (strcmp(buf_text(&name), buf_text(&other)) == 0)
+                return fault_set(fault, ERR_USAGE,
+                                 "%s and %s would both be written to %s; apply them one by one, "
+                                 "each with its own --out DIR",
+                                 o->scene[k], o->scene[i], buf_text(&name));
         }
-    return err;
+    return OK;
 }
 
 /* Identity of a file, by its resolved path and by its inode. */
 struct file_place {
     const char *name;
-    struct buf settled;
+    struct buf *settled;
     bool is_there;
     struct stat status;
 };
 
-static void take_file_place(struct file_place *place, const char *name)
+static struct file_place file_place(const char *name, struct arena *paths)
 {
-    *place = (struct file_place){.name = name};
-    file_absolute(&place->settled, name);
-    place->is_there = stat(name, &place->status) == 0;
+    struct file_place place = {.name = name, .settled = arena_buf(paths)};
+    file_absolute(place.settled, name);
+    place.is_there = stat(name, &place.status) == 0;
+    return place;
 }
 
 static bool is_one(const struct file_place *a, const struct file_place *b)
 {
-    return strcmp(buf_text(&a->settled), buf_text(&b->settled)) == 0 ||
+    return strcmp(buf_text(a->settled), buf_text(b->settled)) == 0 ||
            (a->is_there && b->is_there && a->status.st_dev == b->status.st_dev &&
             a->status.st_ino == b->status.st_ino);
 }
 
 /* ERR_USAGE if an output file is an input, or is below an input folder. */
 static enum err check_output(const struct applying *a, const char *path,
-                             const struct file_place *input, size_t inputs, struct fault *fault)
+                             const struct file_place *input, size_t inputs, struct arena *paths,
+                             struct fault *fault)
 {
-    struct file_place output, below;
-    struct buf folder = {0};
-    enum err err = OK;
-    file_folder(&folder, path);
-    take_file_place(&output, path);
-    take_file_place(&below, buf_text(&folder));
-    if (folder.failed || output.settled.failed || below.settled.failed)
-        err = fault_memory(fault, "a path");
-    for (size_t i = 0; !err && i < inputs; i++) {
+    struct buf *folder = arena_buf(paths);
+    file_folder(folder, path);
+    const struct file_place output = file_place(path, paths),
+                            below = file_place(buf_text(folder), paths);
+    for (size_t i = 0; i < inputs; i++) {
         const bool is_in = S_ISDIR(input[i].status.st_mode) && is_one(&below, &input[i]);
-        if (input[i].settled.failed)
-            err = fault_memory(fault, "a path");
-        else if (is_in || is_one(&output, &input[i]))
-            err = fault_set(fault, ERR_USAGE,
-                            "%s would be written to %s, which is %s%s that is read; nothing was "
-                            "written; choose another folder by --out DIR",
-                            a->choice.scene, path, is_in ? "in the folder " : "the file ",
-                            input[i].name);
+        if (is_in || is_one(&output, &input[i]))
+            return fault_set(fault, ERR_USAGE,
+                             "%s would be written to %s, which is %s%s that is read; nothing was "
+                             "written; choose another folder by --out DIR",
+                             a->choice.scene, path, is_in ? "in the folder " : "the file ",
+                             input[i].name);
     }
-    buf_release(&folder);
-    buf_release(&output.settled);
-    buf_release(&below.settled);
-    return err;
+    return OK;
 }
 
 /* Check that no output overwrites an input: procedure, its scene, landmarks, transform, any scene.
@@ -149,34 +142,30 @@ static enum err check_inputs(struct applying *a, struct fault *fault)
     const char *const other[] = {o->procedure.path, o->procedure.journal.scene_path, o->landmarks,
                                  a->choice.carry.way == CARRY_FILE ? o->by : NULL};
     enum { OTHERS = sizeof other / sizeof *other };
-    struct file_place *input = calloc(o->scenes + OTHERS, sizeof *input);
+    OWNED(arena_release) struct arena paths = {0};
+    OWNED(mem_release) struct file_place *input = calloc(o->scenes + OTHERS, sizeof *input);
     size_t inputs = 0;
     enum err err = input ? OK : fault_memory(fault, "paths");
     for (size_t i = 0; !err && i < o->scenes + OTHERS; i++) {
         const char *name = i < o->scenes ? o->scene[i] : other[i - o->scenes];
         if (name)
-            take_file_place(&input[inputs++], name);
+            input[inputs++] = file_place(name, &paths);
     }
     for (size_t i = 0; !err && i < o->scenes; i++)
         for (size_t k = 0; !err && k < sizeof output / sizeof *output; k++) {
-            struct buf path = {0};
+            struct buf *path = arena_buf(&paths);
             a->choice.scene = o->scene[i];
-            subject_path(&path, &a->choice, output[k]);
-            err = path.failed ? fault_memory(fault, "a path")
-                              : check_output(a, buf_text(&path), input, inputs, fault);
-            buf_release(&path);
+            subject_path(path, &a->choice, output[k]);
+            err = check_output(a, buf_text(path), input, inputs, &paths, fault);
         }
-    while (inputs > 0)
-        buf_release(&input[--inputs].settled);
-    free(input);
-    return err;
+    return arena_failed(&paths) ? fault_memory(fault, "a path") : err;
 }
 
 /* A journal is replayed as the procedure's is. */
 static enum err take_landmarks(struct applying *a, struct fault *fault)
 {
     const struct apply_options *o = a->options;
-    struct procedure subject = {.has_place = false};
+    OWNED(procedure_release) struct procedure subject = {.has_place = false};
     if (!o->landmarks)
         return OK;
     if (!interpreter_is_journal(o->landmarks) && !file_begins_with(o->landmarks, PROCEDURE_BEGINS))
@@ -187,7 +176,6 @@ static enum err take_landmarks(struct applying *a, struct fault *fault)
     const enum err err = procedure_load(&subject, NULL, &source, fault);
     memcpy(a->landmark, subject.landmark, sizeof a->landmark);
     a->choice.carry.landmarks = subject.landmarks;
-    procedure_release(&subject);
     return err;
 }
 
@@ -215,23 +203,18 @@ static void write_table(struct buf *out, const struct applying *a, const struct 
 {
     buf_printf(out, "    %-22s %11s %9s %9s %8s %7s %7s\n", "label", "volume ml", "expected",
                "dropped", "depth mm", "doubt", "far ml");
-    uint32_t number[256];
-    uint8_t order[256];
-    procedure_numbers(number, &a->procedure);
-    numbering_order(order, number);
     for (unsigned i = 1; i < 256; i++) {
-        const unsigned l = order[i];
+        const unsigned l = a->order[i];
         const struct subject_label *label = &s->label[l];
-        struct buf name = {0};
+        OWNED(buf_release) struct buf name = {0};
         if (!label->is_there)
             continue;
-        buf_printf(&name, "%u ", number[l]);
+        buf_printf(&name, "%u ", a->number[l]);
         buf_add_safe_text(&name, a->procedure.label[l].name);
         buf_printf(out, "    %-22s %11.2f %7.0f %% %7.1f %% %8.1f %5.1f %% %7.2f%s\n",
                    buf_text(&name), label->mm3 / 1000, 100 * label->mm3 / label->expected_mm3,
                    label->seeds ? 100.0 * (double)label->dropped / (double)label->seeds : 0.0,
                    label->depth_mm, 100 * label->doubt, label->far_mm3 / 1000, advice(s, l));
-        buf_release(&name);
     }
 }
 
@@ -261,10 +244,6 @@ static void write_json(struct applying *a, const struct subject *s, enum err err
                        const struct fault *fault)
 {
     struct json *json = &a->json;
-    uint32_t number[256];
-    uint8_t order[256];
-    procedure_numbers(number, &a->procedure);
-    numbering_order(order, number);
     json_object(json, NULL);
     json_text(json, "scene", a->choice.scene);
     json_text(json, "state",
@@ -284,15 +263,15 @@ static void write_json(struct applying *a, const struct subject *s, enum err err
         if (a->choice.carry.way == CARRY_LANDMARKS)
             json_fixed(json, "rms_mm", s->rms_mm, 4);
         json_text(json, "found", buf_text(&s->words));
-        json_count(json, "worst", number[s->worst]);
+        json_count(json, "worst", a->number[s->worst]);
         json_array(json, "labels");
         for (unsigned i = 1; i < 256; i++) {
-            const unsigned l = order[i];
+            const unsigned l = a->order[i];
             const struct subject_label *label = &s->label[l];
             if (!label->is_there)
                 continue;
             json_object(json, NULL);
-            json_count(json, "label", number[l]);
+            json_count(json, "label", a->number[l]);
             json_text(json, "name", a->procedure.label[l].name);
             json_count(json, "voxels", label->voxels);
             json_fixed(json, "volume_mm3", label->mm3, 3);
@@ -312,32 +291,25 @@ static void write_json(struct applying *a, const struct subject *s, enum err err
 
 /* ---- all scenes ---- */
 
-static enum err apply_one(struct applying *a, struct fault *fault)
-{
-    struct subject subject = {.was_there = false};
-    const enum err err = subject_make(&subject, &a->procedure, &a->choice, fault);
-    if (err != ERR_CANCELLED && a->options->json)
-        write_json(a, &subject, err, fault);
-    else if (err != ERR_CANCELLED)
-        write_text(a, &subject, err, fault);
-    a->made += !err && !subject.was_there;
-    a->there += subject.was_there;
-    a->refused += err == ERR_CHECK;
-    a->failed += err && err != ERR_CHECK;
-    subject_release(&subject);
-    return err;
-}
-
 static enum err apply_all(struct applying *a, struct fault *fault)
 {
     const struct apply_options *o = a->options;
     enum err worst = OK;
     json_array(&a->json, NULL);
     for (size_t i = 0; i < o->scenes && worst != ERR_CANCELLED; i++) {
+        OWNED(subject_release) struct subject subject = {.was_there = false};
         struct fault words = {.text = ""};
         a->choice.scene = o->scene[i];
         a->choice.volume = o->volume ? scan_list_number(o->volume, i) : -1;
-        const enum err err = apply_one(a, &words);
+        const enum err err = subject_make(&subject, &a->procedure, &a->choice, &words);
+        if (err != ERR_CANCELLED && o->json)
+            write_json(a, &subject, err, &words);
+        else if (err != ERR_CANCELLED)
+            write_text(a, &subject, err, &words);
+        a->made += !err && !subject.was_there;
+        a->there += subject.was_there;
+        a->refused += err == ERR_CHECK;
+        a->failed += err && err != ERR_CHECK;
         if (err_exit_status(err) > err_exit_status(worst)) {
             worst = err;
             *fault = words;
@@ -363,7 +335,7 @@ static enum err apply_all(struct applying *a, struct fault *fault)
 enum err apply_procedure(const struct apply_options *options, const struct printer *printer,
                          struct fault *fault)
 {
-    struct applying *a = calloc(1, sizeof *a);
+    OWNED(mem_release) struct applying *a = mem_new(sizeof *a);
     if (!a)
         return fault_memory(fault, "a procedure");
     a->options = options;
@@ -383,6 +355,8 @@ enum err apply_procedure(const struct apply_options *options, const struct print
         err = procedure_load(&a->procedure, a->choice.carry.way == CARRY_AFFINE ? &a->image : NULL,
                              &options->procedure, fault);
     a->choice.carry.intensity = (const uint16_t *)(const void *)a->image.data;
+    procedure_numbers(a->number, &a->procedure);
+    numbering_order(a->order, a->number);
     if (!err)
         err = apply_all(a, fault);
     if (err && makes_folder)
@@ -390,6 +364,5 @@ enum err apply_procedure(const struct apply_options *options, const struct print
     procedure_release(&a->procedure);
     buf_release(&a->image);
     buf_release(&a->text);
-    free(a);
     return err;
 }

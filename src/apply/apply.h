@@ -58,7 +58,6 @@ struct carry_choice {
 
 struct carry {
     struct affine pull; /* subject's world -> procedure's world */
-    size_t pairs;       /* landmarks fitted */
     double rms_mm;      /* residual of the fit */
     struct buf words;   /* description of the map, one line */
 };

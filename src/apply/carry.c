@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/choice.h"
+#include "base/mem.h"
 #include "base/scan.h"
 #include "base/file.h"
 #include "base/safe.h"
@@ -46,8 +47,8 @@ static bool is_named(const struct procedure_landmark *mark, size_t marks, const 
 enum err carry_read_landmarks(struct procedure_landmark mark[PROCEDURE_LANDMARKS], size_t *marks,
                               const char *path, struct fault *fault)
 {
-    struct buf text = {0}, line = {0};
-    enum err err = file_read(&text, path, LANDMARKS_BYTES, fault);
+    OWNED(buf_release) struct buf text = {0}, line = {0};
+    const enum err err = file_read(&text, path, LANDMARKS_BYTES, fault);
     size_t number = 0;
     *marks = 0;
     for (const char *at = buf_text(&text); !err && *at; at += *at == '\n') {
@@ -60,17 +61,14 @@ enum err carry_read_landmarks(struct procedure_landmark mark[PROCEDURE_LANDMARKS
         if (n == 0 || *buf_text(&line) == '#')
             continue;
         if (!read_mark(&next, buf_text(&line)) || is_named(mark, *marks, next.name))
-            err = fault_set(fault, ERR_INPUT,
-                            "%s, line %zu: expected NAME X,Y,Z in millimetres, each name once",
-                            path, number);
-        else if (*marks == PROCEDURE_LANDMARKS)
-            err = fault_set(fault, ERR_LIMIT, "%s: %d landmarks are taken, and no more", path,
-                            PROCEDURE_LANDMARKS);
-        else
-            mark[(*marks)++] = next;
+            return fault_set(fault, ERR_INPUT,
+                             "%s, line %zu: expected NAME X,Y,Z in millimetres, each name once",
+                             path, number);
+        if (*marks == PROCEDURE_LANDMARKS)
+            return fault_set(fault, ERR_LIMIT, "%s: %d landmarks are taken, and no more", path,
+                             PROCEDURE_LANDMARKS);
+        mark[(*marks)++] = next;
     }
-    buf_release(&text);
-    buf_release(&line);
     return err;
 }
 
@@ -85,7 +83,6 @@ static enum err fit_landmarks(struct carry *carry, const struct carry_choice *ch
                 memcpy(from[n], choice->landmark[i].mm, sizeof from[n]);
                 memcpy(to[n++], p->landmark[k].mm, sizeof to[n]);
             }
-    carry->pairs = n;
     if (n < AFFINE_PAIRS)
         return fault_set(fault, ERR_INPUT,
                          "%zu landmark%s of the subject %s in the procedure too (%zu and %zu), and "
@@ -157,10 +154,8 @@ static enum err check_place(const struct carry_choice *choice, const struct proc
                             const struct session *subject, struct fault *fault)
 {
     const struct geometry *geometry = &subject->geometry;
-    const bool has_sides =
-        geometry->orientation != ORIENTATION_UNKNOWN && !geometry->spacing_unknown;
     const bool has_place = geometry_has_place(geometry);
-    if (!has_sides)
+    if (!geometry_has_sides(geometry))
         return fault_set(
             fault, ERR_INPUT, "its file does not say %s, and iftty does not guess it; %s",
             geometry->spacing_unknown ? "how far apart voxels are"
@@ -183,7 +178,7 @@ enum err carry_find(struct carry *carry, const struct carry_choice *choice,
                     const struct procedure *p, const struct session *subject, struct fault *fault)
 {
     const struct geometry *geometry = &subject->geometry;
-    *carry = (struct carry){.pairs = 0};
+    *carry = (struct carry){.rms_mm = 0};
     affine_identity(&carry->pull);
     enum err err = check_place(choice, p, subject, fault);
     if (err || choice->way == CARRY_WORLD)

@@ -40,18 +40,14 @@ static bool count_all(uint32_t *count[256], struct percentiles *out, const struc
                       const uint16_t *label)
 {
     const struct scene *scene = session->scene;
-    const struct grid *grid = &scene->grid;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++, label++) {
-                if (*label > 255)
-                    continue;
-                if (!count[*label] && !(count[*label] = mem_new(INTENSITIES * sizeof **count)))
-                    return false;
-                count[*label][scene->cell[c].intensity]++;
-                out->voxels[*label]++;
-            }
+    for (struct grid_walk w = grid_rows(&scene->grid); grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++, label++) {
+            if (*label > 255)
+                continue;
+            if (!count[*label] && !(count[*label] = mem_new(INTENSITIES * sizeof **count)))
+                return false;
+            count[*label][scene->cell[c].intensity]++;
+            out->voxels[*label]++;
         }
     return true;
 }
@@ -150,25 +146,21 @@ static enum err add_gesture(struct procedure *p, const struct session *session,
     return err;
 }
 
-static const char *command_of(const struct history *history, size_t record)
-{
-    for (size_t i = 1; i < history->points; i++)
-        if (history->point[i].record == record)
-            return history->point[i].command;
-    return NULL;
-}
-
 /* Only balls and strokes are kept; other gestures are kept by the labels. */
 static enum err take_gestures(struct procedure *p, const struct noting *noting,
                               const struct interpreter *interp, struct fault *fault)
 {
     const struct markers *markers = &interp->session->markers;
+    const struct history *history = &interp->history;
     enum err err = OK;
     for (size_t i = 0; !err && i < noting->count; i++) {
         const struct planted *planted = &noting->planted[i];
-        const char *line = command_of(&interp->history, planted->record);
-        struct call call = {.command = NULL};
+        const char *line = NULL;
+        OWNED(call_release) struct call call = {.command = NULL};
         bool is_valid = false;
+        for (size_t k = 1; !line && k < history->points; k++)
+            if (history->point[k].record == planted->record)
+                line = history->point[k].command;
         for (size_t m = planted->first; line && !is_valid && m <= planted->last; m++)
             is_valid = is_still_valid(markers, &markers->marker[m - 1]);
         if (!is_valid)
@@ -179,7 +171,6 @@ static enum err take_gestures(struct procedure *p, const struct noting *noting,
             err = add_gesture(p, interp->session, &call, fault);
         else
             p->left[LEFT_GESTURES]++;
-        call_release(&call);
     }
     return noting->failed ? fault_memory(fault, "gestures") : err;
 }
@@ -188,7 +179,7 @@ static enum err take_gestures(struct procedure *p, const struct noting *noting,
 
 static void write_settings(struct buf *out, const struct kept *kept, const struct state *state)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     if (kept->weight.kind != WEIGHT_FILE) { /* a map belongs to its scene: use the default */
         act_write_weight(&text, kept);
         buf_add_text(out, "weight ");
@@ -212,45 +203,25 @@ static void write_settings(struct buf *out, const struct kept *kept, const struc
         at = next ? next + 2 : "";
     }
     out->failed |= text.failed;
-    buf_release(&text);
 }
 
 /* ---- from a session ---- */
-
-static enum err take_place(struct procedure *p, const struct session *session, struct fault *fault)
-{
-    const struct geometry *geometry = &session->geometry;
-    if (geometry->orientation == ORIENTATION_UNKNOWN || geometry->spacing_unknown)
-        return fault_set(fault, ERR_INPUT,
-                         "the file of its scene does not say %s, and iftty does not guess it; add "
-                         "`orient` and `open ... spacing=` to a journal of that scene",
-                         geometry->spacing_unknown ? "how far apart voxels are"
-                                                   : "to which sides of the patient its axes run");
-    p->has_place = geometry_has_place(geometry);
-    memcpy(p->to_mm.m, geometry->to_mm, sizeof p->to_mm.m);
-    memcpy(p->size, session->scene->grid.size, sizeof p->size);
-    memcpy(p->scene, session->proof, sizeof p->scene);
-    return OK;
-}
 
 static enum err take_labels(struct procedure *p, const struct session *session, struct fault *fault)
 {
     const struct kept *kept = &session->now.kept;
     const struct scene *scene = session->scene;
     const struct grid *grid = &scene->grid;
-    struct percentiles *found = mem_new(sizeof *found);
-    uint16_t *label = mem_array(grid->voxels, sizeof *label);
+    OWNED(mem_release) struct percentiles *found = mem_new(sizeof *found);
+    OWNED(mem_release) uint16_t *label = mem_array(grid->voxels, sizeof *label);
     p->voxel = mem_array(grid->voxels, 1);
-    enum err err = found && label && p->voxel ? OK : fault_memory(fault, "labels");
+    if (!found || !label || !p->voxel)
+        return fault_memory(fault, "labels");
     size_t i = 0;
-    for (uint32_t z = 0; !err && z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++, i++)
-                label[i] = p->voxel[i] = scene->cell[c].label;
-        }
-    if (!err)
-        err = percentiles_find(found, session, label, fault);
+    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++, i++)
+            label[i] = p->voxel[i] = scene->cell[c].label;
+    const enum err err = percentiles_find(found, session, label, fault);
     for (unsigned l = 0; !err && l < 256; l++) {
         struct procedure_label *to = &p->label[l];
         to->is_there = found->voxels[l] || kept->label_number[l];
@@ -261,8 +232,6 @@ static enum err take_labels(struct procedure *p, const struct session *session, 
         memcpy(to->name, kept->label_name[l], sizeof to->name);
         memcpy(to->rgb, kept->palette.rgb[l], sizeof to->rgb);
     }
-    free(found);
-    free(label);
     return err;
 }
 
@@ -270,11 +239,20 @@ static enum err take_all(struct procedure *p, const struct noting *noting,
                          const struct interpreter *interp, struct fault *fault)
 {
     struct session *session = interp->session;
+    const struct geometry *geometry = &session->geometry;
     enum err err = session_complete(session, fault);
     if (!err && session_pendings(session))
         err = session_run(session, fault);
-    if (!err)
-        err = take_place(p, session, fault);
+    if (!err && !geometry_has_sides(geometry))
+        err = fault_set(fault, ERR_INPUT,
+                        "the file of its scene does not say %s, and iftty does not guess it; add "
+                        "`orient` and `open ... spacing=` to a journal of that scene",
+                        geometry->spacing_unknown ? "how far apart voxels are"
+                                                  : "to which sides of the patient its axes run");
+    p->has_place = geometry_has_place(geometry);
+    memcpy(p->to_mm.m, geometry->to_mm, sizeof p->to_mm.m);
+    memcpy(p->size, session->scene->grid.size, sizeof p->size);
+    memcpy(p->scene, session->proof, sizeof p->scene);
     const struct kept *kept = &session->now.kept;
     if (!err)
         err = take_labels(p, session, fault);
@@ -283,7 +261,7 @@ static enum err take_all(struct procedure *p, const struct noting *noting,
     for (size_t i = 0; !err && i < LANDMARKS && *kept->landmark[i].name; i++) {
         struct procedure_landmark *mark = &p->landmark[p->landmarks++];
         memcpy(mark->name, kept->landmark[i].name, sizeof mark->name);
-        geometry_point(&session->geometry, kept->landmark[i].place, mark->mm);
+        geometry_point(geometry, kept->landmark[i].place, mark->mm);
     }
     write_settings(&p->settings, kept, &session->now);
     p->left[LEFT_WEIGHTS] = kept->weight.kind == WEIGHT_FILE;
@@ -303,8 +281,8 @@ static enum err hand_back(void *context, const struct interpreter *interp,
     const struct noting *noting = context;
     const struct scene *scene = interp->session->scene;
     const struct grid *grid = &scene->grid;
-    struct procedure procedure = {.chain = facts->chain};
-    struct buf text = {0};
+    OWNED(procedure_release) struct procedure procedure = {.chain = facts->chain};
+    OWNED(buf_release) struct buf text = {0};
     const enum err err = take_all(&procedure, noting, interp, fault);
     if (!err)
         procedure_write(&text, &procedure);
@@ -313,14 +291,9 @@ static enum err hand_back(void *context, const struct interpreter *interp,
     buf_add(out, buf_text(&text), text.length);
     out->failed |= text.failed;
     uint16_t *to = !err && noting->with_image ? buf_reserve(out, grid->voxels * sizeof *to) : NULL;
-    for (uint32_t z = 0; to && z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++, out->length += sizeof *to)
-                memcpy(out->data + out->length, &scene->cell[c].intensity, sizeof *to);
-        }
-    buf_release(&text);
-    procedure_release(&procedure);
+    for (struct grid_walk w = grid_rows(grid); to && grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++, out->length += sizeof *to)
+            memcpy(out->data + out->length, &scene->cell[c].intensity, sizeof *to);
     return err;
 }
 
@@ -350,32 +323,26 @@ enum err procedure_text(struct buf *text, struct buf *image, const struct proced
     const struct side_work work = {
         .context = &noting, .hear = note_markers, .add = hand_back, .most = UINT32_MAX};
     struct side_options how = source->journal;
-    struct side side = {.facts = NULL};
+    OWNED(side_release) struct side side = {.facts = NULL};
     if (file_begins_with(source->path, PROCEDURE_BEGINS))
         return file_read(text, source->path, PROCEDURE_BYTES, fault);
     how.is_strict = true;
-    enum err err = side_carry_out(&side, source->path, &how, &work, fault);
-    if (!err)
-        err = take_back(text, image, &side, source->path, fault);
-    side_release(&side);
-    return err;
+    const enum err err = side_carry_out(&side, source->path, &how, &work, fault);
+    return err ? err : take_back(text, image, &side, source->path, fault);
 }
 
 enum err procedure_load(struct procedure *p, struct buf *image,
                         const struct procedure_source *source, struct fault *fault)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     enum err err = procedure_text(&text, image, source, fault);
-    if (!err) {
-        err = procedure_read(p, buf_text(&text), text.length, fault);
-        if (!err && image && image->length &&
-            image->length != (size_t)2 * p->size[0] * p->size[1] * p->size[2])
-            err = fault_set(fault, ERR_INPUT, "the answer of its process makes no sense");
-        if (err)
-            fault_prefix(fault, err, "%s", source->path);
-    }
-    buf_release(&text);
-    return err;
+    if (err)
+        return err;
+    err = procedure_read(p, buf_text(&text), text.length, fault);
+    if (!err && image && image->length &&
+        image->length != (size_t)2 * p->size[0] * p->size[1] * p->size[2])
+        err = fault_set(fault, ERR_INPUT, "the answer of its process makes no sense");
+    return err ? fault_prefix(fault, err, "%s", source->path) : OK;
 }
 
 enum { RUNS_LINE = 90 };
@@ -735,9 +702,13 @@ static enum err read_voxels(struct reader *r, struct procedure *p)
     return OK;
 }
 
-static enum err read_all(struct reader *r, struct procedure *p, const char *begin)
+enum err procedure_read(struct procedure *p, const char *bytes, size_t length, struct fault *fault)
 {
+    struct reader reader = {.at = bytes, .end = bytes + length, .fault = fault}, *r = &reader;
     char now[SHA256_HEX];
+    if (length > PROCEDURE_BYTES || memchr(bytes, '\0', length))
+        return fault_set(fault, ERR_INPUT,
+                         "it is no procedure: it is too long, or has a zero byte");
     enum err err = read_head(r, p);
     if (!err && begins(r, "left"))
         err = read_left(r, p);
@@ -760,20 +731,11 @@ static enum err read_all(struct reader *r, struct procedure *p, const char *begi
         err = read_voxels(r, p);
     if (err)
         return err;
-    sha256_bytes_hex(now, begin, (size_t)(r->at - begin));
+    sha256_bytes_hex(now, bytes, (size_t)(r->at - bytes));
     if (!begins(r, "digest") || !take_digits(r, p->digest, SHA256_HEX - 1) || !ends_line(r) ||
         r->at != r->end)
         return refuse_line(r, "digest and 64 digits, and the end of the file");
     return strcmp(now, p->digest) == 0
                ? OK
-               : fault_set(r->fault, ERR_INPUT, "it was changed: its digest does not match");
-}
-
-enum err procedure_read(struct procedure *p, const char *bytes, size_t length, struct fault *fault)
-{
-    struct reader r = {.at = bytes, .end = bytes + length, .fault = fault};
-    if (length > PROCEDURE_BYTES || memchr(bytes, '\0', length))
-        return fault_set(fault, ERR_INPUT,
-                         "it is no procedure: it is too long, or has a zero byte");
-    return read_all(&r, p, bytes);
+               : fault_set(fault, ERR_INPUT, "it was changed: its digest does not match");
 }

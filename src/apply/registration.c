@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -77,31 +76,17 @@ static bool from_flirt(struct affine *out, const struct placed_grid *grid)
     return true;
 }
 
-/* Convert FLIRT's matrix to a map from the moving scene's world to the fixed one's. */
-static enum err world_of_flirt(struct affine *out, const struct affine *flirt,
-                               const struct placed_grid *fixed, const struct placed_grid *moving,
-                               struct fault *fault)
-{
-    struct affine to_fixed, to_moving, from_moving;
-    if (!from_flirt(&to_fixed, fixed) || !from_flirt(&to_moving, moving) ||
-        !affine_invert(&from_moving, &to_moving))
-        return fault_set(fault, ERR_INPUT, "the place of a scene in the world has no inverse");
-    affine_compose(out, flirt, &from_moving);
-    affine_compose(out, &to_fixed, out);
-    return OK;
-}
-
 /* ---- ITK ---- */
 
 /* Parse a transform of ITK in the confined helper. */
 static enum err read_by_helper(struct affine *out, struct buf *kind, const struct buf *bytes,
                                struct fault *fault)
 {
-    struct coprocess process;
     char line[COPROCESS_LINE], name[KIND_MOST];
     const char *at = line;
     static const int64_t most = KIND_MOST - 1;
     int64_t length = 0;
+    OWNED(coprocess_release) struct coprocess process;
     enum err err = start_helper(&process, "a transform", TRANSFORM_HELD_MOST, NULL, fault);
     snprintf(line, sizeof line, "transform %zu\n", bytes->length);
     if (!err && !(coprocess_transmit(&process, line, strlen(line)) &&
@@ -120,7 +105,6 @@ static enum err read_by_helper(struct affine *out, struct buf *kind, const struc
     }
     buf_add_text(kind, "ITK's ");
     buf_add(kind, name, err ? 0 : (size_t)length);
-    coprocess_release(&process);
     return err;
 }
 
@@ -133,24 +117,26 @@ static enum err take_file(struct affine *out, struct buf *kind, const struct buf
 {
     const char *text = buf_text(bytes);
     const bool is_text = strlen(text) == bytes->length;
-    struct affine flirt;
-    enum err err = OK;
-    if (is_fsl) {
+    struct affine flirt, to_fixed, to_moving, from_moving;
+    if (is_fsl) { /* it maps the moving scene to the fixed one */
         if (!is_text || !scan_square(&flirt, text))
             return fault_set(fault, ERR_INPUT,
                              "it is no matrix of FLIRT; expected four rows of four numbers, the "
                              "last one 0 0 0 1");
         buf_add_text(kind, "a matrix of FSL's FLIRT");
-        err = world_of_flirt(out, &flirt, fixed, moving, fault);
-        if (!err && !affine_invert(out, out))
-            err = fault_set(fault, ERR_INPUT, "its matrix has no inverse");
-        return err;
+        if (!from_flirt(&to_fixed, fixed) || !from_flirt(&to_moving, moving) ||
+            !affine_invert(&from_moving, &to_moving))
+            return fault_set(fault, ERR_INPUT, "the place of a scene in the world has no inverse");
+        affine_compose(out, &flirt, &from_moving);
+        affine_compose(out, &to_fixed, out);
+        return affine_invert(out, out) ? OK
+                                       : fault_set(fault, ERR_INPUT, "its matrix has no inverse");
     }
     if (is_text && scan_square(&flirt, text))
         return fault_set(
             fault, ERR_INPUT,
             "its sixteen numbers may mean anything; if FLIRT wrote them, name it as \"fsl:FILE\"");
-    err = read_by_helper(out, kind, bytes, fault);
+    const enum err err = read_by_helper(out, kind, bytes, fault);
     for (int i = 0; i < 3; i++) /* from LPS+ to RAS+: reverse x and y on both sides */
         for (int j = 0; j < 4; j++)
             if ((i < 2) != (j < 2))
@@ -163,7 +149,7 @@ enum err transform_read(struct affine *out, struct buf *words, const char *path,
                         struct fault *fault)
 {
     const bool is_fsl = scan_text(&path, FSL), has_subject = geometry_has_place(subject->geometry);
-    struct buf bytes = {0}, kind = {0};
+    OWNED(buf_release) struct buf bytes = {0}, kind = {0};
     struct affine found, back;
     if (!has_subject || !geometry_has_place(procedure->geometry))
         return fault_set(fault, ERR_INPUT,
@@ -186,13 +172,10 @@ enum err transform_read(struct affine *out, struct buf *words, const char *path,
                buf_text(&kind), is_fsl ? " (-ref)" : "");
     if (!err && (kind.failed || words->failed))
         err = fault_memory(fault, "a transform's name");
-    if (!err)
-        *out = found;
-    else
-        fault_prefix(fault, err, "%s", path);
-    buf_release(&bytes);
-    buf_release(&kind);
-    return err;
+    if (err)
+        return fault_prefix(fault, err, "%s", path);
+    *out = found;
+    return OK;
 }
 
 enum {
@@ -243,24 +226,18 @@ static void reduce_scene(struct reduced *out, const struct placed_scene *placed)
     memcpy(out->to_mm, geometry.to_mm, sizeof out->to_mm);
 }
 
-static uint16_t intensity_of(const struct scene *scene, uint32_t x, uint32_t y, uint32_t z)
-{
-    const uint32_t *size = scene->grid.size;
-    return scene->plain ? scene->plain[x + size[0] * (y + (size_t)size[1] * z)]
-                        : scene->cell[grid_cell(&scene->grid, x, y, z)].intensity;
-}
-
 /* Rounded mean of a box. */
 static uint16_t mean_of(const struct reduced *from, const uint32_t place[3])
 {
-    const uint32_t *f = from->factor;
+    const uint32_t *f = from->factor, *size = from->scene->grid.size;
     const uint64_t voxels = (uint64_t)f[0] * f[1] * f[2];
     uint64_t sum = 0;
-    for (uint32_t z = 0; z < f[2]; z++)
-        for (uint32_t y = 0; y < f[1]; y++)
-            for (uint32_t x = 0; x < f[0]; x++)
-                sum += intensity_of(from->scene, place[0] * f[0] + x, place[1] * f[1] + y,
-                                    place[2] * f[2] + z);
+    for (uint32_t z = place[2] * f[2]; z < (place[2] + 1) * f[2]; z++)
+        for (uint32_t y = place[1] * f[1]; y < (place[1] + 1) * f[1]; y++)
+            for (uint32_t x = place[0] * f[0]; x < (place[0] + 1) * f[0]; x++)
+                sum += from->scene->plain
+                           ? from->scene->plain[x + size[0] * (y + (size_t)size[1] * z)]
+                           : from->scene->cell[grid_cell(&from->scene->grid, x, y, z)].intensity;
     return (uint16_t)((sum + voxels / 2) / voxels);
 }
 
@@ -270,7 +247,7 @@ static enum err send_scene(struct coprocess *process, const struct reduced *from
     const uint32_t *size = from->size, *factor = from->factor;
     const size_t plane = (size_t)size[0] * size[1];
     struct task task = task_begin(watch, "registration", from->scene->grid.voxels);
-    uint16_t *voxel = mem_array(plane, sizeof *voxel);
+    OWNED(mem_release) uint16_t *voxel = mem_array(plane, sizeof *voxel);
     if (!voxel)
         return fault_memory(fault, "a slice of the scene");
     bool goes = coprocess_transmit(process, from->to_mm, sizeof from->to_mm);
@@ -282,7 +259,6 @@ static enum err send_scene(struct coprocess *process, const struct reduced *from
         goes = task_advance(&task, (uint64_t)plane * factor[0] * factor[1] * factor[2]) &&
                coprocess_transmit(process, voxel, plane * sizeof *voxel);
     }
-    free(voxel);
     const enum err err = watch_fault(watch, fault);
     return err || goes ? err : coprocess_fault(process, NULL, NULL, fault);
 }
@@ -336,7 +312,6 @@ static enum err receive_found(struct registration *out, struct coprocess *proces
  * it. */
 static enum err check_result(const struct registration *r, struct fault *fault)
 {
-    static const char way_out[] = "use landmarks in both scenes, or a transform of another program";
     const double volume = affine_determinant(&r->affine);
     const double identity_least = r->identity_metric * (1 - REGISTRATION_WORSE_MOST);
     char words[200] = "";
@@ -373,50 +348,37 @@ static enum err check_result(const struct registration *r, struct fault *fault)
     else
         return OK;
     return fault_set(fault, ERR_CHECK,
-                     "the scenes were registered, and the result is implausible: %s; %s", words,
-                     way_out);
-}
-
-/* The origin may be unknown. */
-static bool says_sides(const struct geometry *geometry)
-{
-    return geometry->orientation != ORIENTATION_UNKNOWN && !geometry->spacing_unknown;
-}
-
-static enum err register_scenes(struct registration *out, struct coprocess *process,
-                                const struct reduced scene[2], struct watch *watch,
-                                struct fault *fault)
-{
-    const uint32_t *a = scene[0].size, *b = scene[1].size;
-    char line[COPROCESS_LINE];
-    const int length = snprintf(line, sizeof line, "register %u %u %u %u %u %u\n", a[0], a[1], a[2],
-                                b[0], b[1], b[2]);
-    enum err err = start_helper(process, "registration", HELD_MOST, watch, fault);
-    if (!err && !coprocess_transmit(process, line, (size_t)length))
-        err = coprocess_fault(process, NULL, NULL, fault);
-    for (int i = 0; i < 2 && !err; i++)
-        err = send_scene(process, &scene[i], watch, fault);
-    return err ? err : receive_found(out, process, fault);
+                     "the scenes were registered, and the result is implausible: %s; use landmarks "
+                     "in both scenes, or a transform of another program",
+                     words);
 }
 
 enum err registration_find(struct registration *out, const struct placed_scene *subject,
                            const struct placed_scene *procedure, struct watch *watch,
                            struct fault *fault)
 {
-    struct coprocess process;
     struct reduced scene[2];
+    char line[COPROCESS_LINE];
     *out = (struct registration){.metric = 0};
-    if (!says_sides(subject->geometry) || !says_sides(procedure->geometry))
+    if (!geometry_has_sides(subject->geometry) || !geometry_has_sides(procedure->geometry))
         return fault_set(fault, ERR_INPUT,
                          "the %s file does not say how its axes run in the patient, or how far "
                          "apart its voxels are, so left and right are unknown",
-                         says_sides(subject->geometry) ? "procedure's" : "subject's");
+                         geometry_has_sides(subject->geometry) ? "procedure's" : "subject's");
     reduce_scene(&scene[0], subject);
     reduce_scene(&scene[1], procedure);
-    enum err err = register_scenes(out, &process, scene, watch, fault);
-    coprocess_release(&process);
-    if (err)
-        return err;
-    err = watch_fault(watch, fault);
+    const uint32_t *a = scene[0].size, *b = scene[1].size;
+    const int length = snprintf(line, sizeof line, "register %u %u %u %u %u %u\n", a[0], a[1], a[2],
+                                b[0], b[1], b[2]);
+    OWNED(coprocess_release) struct coprocess process;
+    enum err err = start_helper(&process, "registration", HELD_MOST, watch, fault);
+    if (!err && !coprocess_transmit(&process, line, (size_t)length))
+        err = coprocess_fault(&process, NULL, NULL, fault);
+    for (int i = 0; i < 2 && !err; i++)
+        err = send_scene(&process, &scene[i], watch, fault);
+    if (!err)
+        err = receive_found(out, &process, fault);
+    if (!err)
+        err = watch_fault(watch, fault);
     return err ? err : check_result(out, fault);
 }

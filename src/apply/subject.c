@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/choice.h"
+#include "base/mem.h"
 #include "base/scan.h"
 #include "base/file.h"
 #include "command/command.h"
@@ -67,10 +68,9 @@ void subject_path(struct buf *out, const struct subject_choice *choice, const ch
 
 static enum err execute_line(struct making *m, const char *line)
 {
-    struct reply reply = {0};
+    OWNED(reply_release) struct reply reply = {0};
     const enum err err = interpreter_execute(&m->interp, line, &reply, m->fault);
     buf_add(&m->made, buf_text(&reply.files), err ? 0 : reply.files.length);
-    reply_release(&reply);
     return err;
 }
 
@@ -102,43 +102,38 @@ static enum err open_scene(struct making *m)
 /* The commands may be a stranger's: allow only settings that read no file. */
 static enum err execute_settings(struct making *m)
 {
-    struct buf line = {0};
-    enum err err = OK;
-    for (const char *at = buf_text(&m->procedure->settings); !err && *at;) {
+    OWNED(buf_release) struct buf line = {0};
+    for (const char *at = buf_text(&m->procedure->settings); *at;) {
         const size_t n = strcspn(at, "\n");
-        struct call call;
         buf_clear(&line);
         buf_add(&line, at, n);
         at += n + (at[n] == '\n');
+        OWNED(call_release) struct call call;
         bool is_fine = command_parse(&call, buf_text(&line), m->interp.session, NULL) == OK &&
                        call.command && (call.command->flags & COMMAND_CARRIED) &&
                        !(call.command->flags & COMMAND_PLANTS);
         for (int i = 0; is_fine && call.command->parameter[i].type; i++)
             is_fine = !call.command->parameter[i].is_read || call.value[i].number >= 0;
-        call_release(&call);
         if (!is_fine)
-            err = fault_set(m->fault, ERR_INPUT,
-                            "the procedure has a setting that is not of weights or the finish: %s",
-                            buf_text(&line));
-        if (!err)
-            err = execute_line(m, buf_text(&line));
+            return fault_set(m->fault, ERR_INPUT,
+                             "the procedure has a setting that is not of weights or the finish: %s",
+                             buf_text(&line));
+        const enum err err = execute_line(m, buf_text(&line));
+        if (err)
+            return err;
     }
-    buf_release(&line);
-    return err;
+    return OK;
 }
 
 static enum err name_label(struct making *m, unsigned l)
 {
     const struct procedure_label *label = &m->procedure->label[l];
-    struct buf line = {0}, name = {0};
+    struct buf line = {0};
     buf_printf(&line, "label %u ", m->number[l]);
     if (*label->name)
-        buf_add_text(&name, label->name);
+        command_write_word(&line, label->name);
     else
-        buf_printf(&name, "label-%u", m->number[l]);
-    command_write_word(&line, buf_text(&name));
-    line.failed |= name.failed;
-    buf_release(&name);
+        buf_printf(&line, "label-%u", m->number[l]);
     if (l)
         buf_printf(&line, " #%02x%02x%02x", label->rgb[0], label->rgb[1], label->rgb[2]);
     return execute_buf(m, &line);
@@ -213,7 +208,7 @@ static void note_label(struct making *m, unsigned label, uint64_t seeds, uint64_
 static enum err write_seeds(struct making *m, const struct volume_map *map, const char *path)
 {
     struct watch *watch = m->interp.session->watch;
-    struct buf draft = {0};
+    OWNED(buf_release) struct buf draft = {0};
     if (!file_exists(path)) {
         const enum err err = volume_write(path, FILE_KEEP, map, watch, m->fault);
         buf_add(&m->made, path, err ? 0 : strlen(path) + 1);
@@ -229,7 +224,6 @@ static enum err write_seeds(struct making *m, const struct volume_map *map, cons
                         "alone; rename it, or choose another folder by --out DIR",
                         path);
     file_discard(buf_text(&draft));
-    buf_release(&draft);
     return err;
 }
 
@@ -237,7 +231,7 @@ static enum err write_seeds(struct making *m, const struct volume_map *map, cons
 static enum err prepare_labels(struct making *m)
 {
     struct session *session = m->interp.session;
-    struct buf path = {0}, regions = {0}, as = {0};
+    OWNED(buf_release) struct buf path = {0}, regions = {0}, as = {0};
     enum err err = warp_seeds(&m->warped, session, m->choice->depth_mm, m->fault);
     const struct volume_map map = {.size = session->scene->grid.size,
                                    .geometry = &session->geometry,
@@ -266,9 +260,6 @@ static enum err prepare_labels(struct making *m)
     command_write_word(&m->seeds, file_name(buf_text(&path)));
     buf_printf(&m->seeds, " regions=%s as=%s erode=0 rest=none\n", buf_text(&regions),
                buf_text(&as));
-    buf_release(&path);
-    buf_release(&regions);
-    buf_release(&as);
     return err;
 }
 
@@ -307,8 +298,8 @@ static enum err count_seeds(struct making *m, const struct procedure_gesture *g,
 {
     const struct session *session = m->interp.session;
     const struct scene *scene = session->scene;
-    struct brush brush = {0};
-    struct voxels voxels = {0};
+    OWNED(brush_release) struct brush brush = {0};
+    OWNED(voxels_release) struct voxels voxels = {0};
     enum err err = brush_init(&brush, scene->spacing_nm, radius_nm, BRUSH_REACH_MOST, m->fault);
     if (!err)
         err = paint_stroke(&voxels, &scene->grid, &brush, corner, g->corners, session->watch,
@@ -317,8 +308,6 @@ static enum err count_seeds(struct making *m, const struct procedure_gesture *g,
     for (size_t i = 0; i < voxels.count; i++)
         *left += warp_may_have(range, percentiles_value(session, voxels.cell[i]));
     note_label(m, g->label, voxels.count, voxels.count - *left);
-    voxels_release(&voxels);
-    brush_release(&brush);
     return err;
 }
 
@@ -382,21 +371,24 @@ static enum err prepare_gestures(struct making *m)
 {
     const struct procedure *p = m->procedure;
     struct affine push;
-    uint32_t(*corner)[3] = calloc(p->corners + 1, sizeof *corner);
-    enum err err = corner ? OK : fault_memory(m->fault, "gestures");
-    if (!err && !p->gestures)
-        err = fault_set(m->fault, ERR_INPUT,
-                        "the procedure has no ball and no stroke, which alone can be moved; carry "
-                        "its labels by --as labels");
-    if (!err && !affine_invert(&push, &m->subject->pull))
-        err = fault_set(m->fault, ERR_INPUT, "the transform has no inverse");
-    for (size_t i = 0; !err && i < p->gestures; i++)
-        err = prepare_gesture(m, &p->gesture[i], &push, cbrt(fabs(affine_determinant(&push))),
-                              corner);
-    if (!err && !m->seeds.length)
-        err = fault_set(m->fault, ERR_CHECK, "no seed is left to plant");
-    free(corner);
-    return err ? err : m->seeds.failed ? fault_memory(m->fault, "gestures") : OK;
+    OWNED(mem_release) uint32_t(*corner)[3] = calloc(p->corners + 1, sizeof *corner);
+    if (!corner)
+        return fault_memory(m->fault, "gestures");
+    if (!p->gestures)
+        return fault_set(m->fault, ERR_INPUT,
+                         "the procedure has no ball and no stroke, which alone can be moved; carry "
+                         "its labels by --as labels");
+    if (!affine_invert(&push, &m->subject->pull))
+        return fault_set(m->fault, ERR_INPUT, "the transform has no inverse");
+    for (size_t i = 0; i < p->gestures; i++) {
+        const enum err err = prepare_gesture(m, &p->gesture[i], &push,
+                                             cbrt(fabs(affine_determinant(&push))), corner);
+        if (err)
+            return err;
+    }
+    if (m->seeds.failed)
+        return fault_memory(m->fault, "gestures");
+    return m->seeds.length ? OK : fault_set(m->fault, ERR_CHECK, "no seed is left to plant");
 }
 
 /* ---- the origin ---- */
@@ -423,13 +415,8 @@ static void write_origin(struct making *m)
     }
     buf_printf(out, " scene=%s from=%s gate=%g depth=%g", m->interp.session->proof, p->scene,
                choice->gate * 100, choice->plants == PLANT_LABELS ? choice->depth_mm : 0);
-}
-
-static void add_figures(struct making *m)
-{
-    struct buf *out = &m->origin;
     const char *between = " volumes=";
-    if (m->choice->carry.way == CARRY_LANDMARKS)
+    if (choice->carry.way == CARRY_LANDMARKS)
         buf_printf(out, " rms=%.6g", m->subject->rms_mm);
     uint8_t order[256];
     numbering_order(order, m->number);
@@ -489,39 +476,33 @@ static bool read_pull(struct affine *pull, const char *command)
 /* Read the transform from the journal's origin. */
 static enum err find_pull(struct affine *pull, const struct making *m)
 {
-    struct buf bytes = {0};
-    struct walk walk;
+    OWNED(buf_release) struct buf bytes = {0};
+    OWNED(walk_release) struct walk walk = {0};
     struct record record;
     bool found = false;
     enum err err = walk_file(&walk, &bytes, buf_text(&m->subject->journal), m->fault);
     while (!err && !found && walk_next_sound(&walk, &record) == WALK_RECORD)
         found = read_pull(pull, record.command);
-    walk_release(&walk);
-    buf_release(&bytes);
     return err ? err : found ? OK : refuse_journal(m);
 }
 
 /* Compare the journal with the draft, record by record. */
 static enum err compare_records(const struct making *m, const char *draft)
 {
-    struct buf bytes[2] = {{0}, {0}};
-    struct walk walk[2] = {{0}, {0}};
-    struct record record[2];
-    enum err err = walk_file(&walk[0], &bytes[0], draft, m->fault);
+    OWNED(buf_release) struct buf bytes = {0}, own_bytes = {0};
+    OWNED(walk_release) struct walk walk = {0}, own = {0};
+    struct record record, own_record;
+    enum err err = walk_file(&walk, &bytes, draft, m->fault);
     if (!err)
-        err = walk_file(&walk[1], &bytes[1], buf_text(&m->subject->journal), m->fault);
+        err = walk_file(&own, &own_bytes, buf_text(&m->subject->journal), m->fault);
     bool same = !err;
-    while (same && walk_next_sound(&walk[0], &record[0]) == WALK_RECORD)
-        same = walk_next_sound(&walk[1], &record[1]) == WALK_RECORD &&
-               strcmp(record[0].command, record[1].command) == 0 &&
-               strcmp(record[0].result, record[1].result) == 0;
-    while (same && walk_next_sound(&walk[1], &record[1]) == WALK_RECORD)
+    while (same && walk_next_sound(&walk, &record) == WALK_RECORD)
+        same = walk_next_sound(&own, &own_record) == WALK_RECORD &&
+               strcmp(record.command, own_record.command) == 0 &&
+               strcmp(record.result, own_record.result) == 0;
+    while (same && walk_next_sound(&own, &own_record) == WALK_RECORD)
         ;
-    same = same && walk[0].over == WALK_END && walk[1].over == WALK_END;
-    for (int i = 0; i < 2; i++) {
-        walk_release(&walk[i]);
-        buf_release(&bytes[i]);
-    }
+    same = same && walk.over == WALK_END && own.over == WALK_END;
     return err || same ? err : refuse_journal(m);
 }
 
@@ -532,17 +513,14 @@ static void count_borders(uint64_t border[256], const struct session *session)
 {
     const struct scene *scene = session->scene;
     const struct grid *grid = &scene->grid;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const struct cell *at = scene->cell + c;
-                bool differs = false;
-                for (int a = 0; a < 3; a++)
-                    differs |= at[grid->step[a]].label != at->label ||
-                               at[-grid->step[a]].label != at->label;
-                border[at->label] += differs;
-            }
+    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++) {
+            const struct cell *at = scene->cell + c;
+            bool differs = false;
+            for (int a = 0; a < 3; a++)
+                differs |=
+                    at[grid->step[a]].label != at->label || at[-grid->step[a]].label != at->label;
+            border[at->label] += differs;
         }
 }
 
@@ -634,7 +612,6 @@ static enum err prepare_seeds(struct making *m)
     warp_find_gates(&m->warped, p, m->choice->gate);
     err = m->choice->plants == PLANT_LABELS ? prepare_labels(m) : prepare_gestures(m);
     write_origin(m);
-    add_figures(m);
     return err ? err : m->origin.failed || m->seeds.failed ? fault_memory(m->fault, "seeds") : OK;
 }
 
@@ -657,16 +634,15 @@ static void say_left(struct making *m)
 
 static enum err carry_over(struct making *m)
 {
-    struct carry carry = {.pairs = 0};
+    struct carry carry = {.rms_mm = 0};
     const enum err err =
         m->is_there && m->choice->carry.way == CARRY_AFFINE
             ? find_pull(&carry.pull, m)
             : carry_find(&carry, &m->choice->carry, m->procedure, m->interp.session, m->fault);
     m->subject->pull = carry.pull;
     m->subject->rms_mm = carry.rms_mm;
-    buf_add_text(&m->subject->words, buf_text(&carry.words));
+    m->subject->words = carry.words;
     say_left(m);
-    buf_release(&carry.words);
     return err;
 }
 
@@ -686,7 +662,7 @@ enum err subject_make(struct subject *subject, const struct procedure *procedure
 {
     struct making m = {
         .procedure = procedure, .choice = choice, .subject = subject, .fault = fault};
-    struct buf draft = {0}, goldens = {0};
+    OWNED(buf_release) struct buf draft = {0}, goldens = {0};
     procedure_numbers(m.number, procedure);
     subject_path(&subject->journal, choice, SUBJECT_JOURNAL);
     subject_path(&goldens, choice, SUBJECT_GOLDENS);
@@ -725,7 +701,5 @@ enum err subject_make(struct subject *subject, const struct procedure *procedure
     buf_release(&m.origin);
     buf_release(&m.seeds);
     buf_release(&m.made);
-    buf_release(&draft);
-    buf_release(&goldens);
     return err;
 }

@@ -102,7 +102,7 @@ static enum err find_depths(uint16_t *depth, const struct warped *warped,
     const struct scene *scene = session->scene;
     const struct grid *grid = &scene->grid;
     const struct distance_scale scale = distance_scale_of(scene->spacing_nm, grid->size);
-    uint64_t *squared = mem_array(grid->voxels, sizeof *squared);
+    OWNED(mem_release) uint64_t *squared = mem_array(grid->voxels, sizeof *squared);
     if (!squared)
         return fault_memory(fault, "the depth of labels");
     size_t i = 0;
@@ -118,7 +118,6 @@ static enum err find_depths(uint16_t *depth, const struct warped *warped,
                        ? BINS - 1
                        : (uint16_t)(mm / bin_mm + 1e-9);
     }
-    free(squared);
     return err;
 }
 
@@ -139,40 +138,35 @@ enum err warp_seeds(struct warped *warped, const struct session *session, double
     const struct grid *grid = &scene->grid;
     const unsigned most = BINS / 4;
     const double bin_mm = depth_mm / most;
-    uint16_t *depth = mem_array(grid->voxels, sizeof *depth);
-    uint64_t(*count)[BINS] = mem_new(256 * sizeof *count);
+    OWNED(mem_release) uint16_t *depth = mem_array(grid->voxels, sizeof *depth);
+    OWNED(mem_release) uint64_t(*count)[BINS] = mem_new(256 * sizeof *count);
     unsigned least[256];
-    enum err err = depth && count ? OK : fault_memory(fault, "the depth of labels");
-    if (!err)
-        err = find_depths(depth, warped, session, bin_mm, fault);
-    for (size_t i = 0; !err && i < grid->voxels; i++)
+    if (!depth || !count)
+        return fault_memory(fault, "the depth of labels");
+    const enum err err = find_depths(depth, warped, session, bin_mm, fault);
+    if (err)
+        return err;
+    for (size_t i = 0; i < grid->voxels; i++)
         if (warped->label[i] < 256)
             count[warped->label[i]][depth[i]]++;
-    for (unsigned l = 0; !err && l < 256; l++) {
+    for (unsigned l = 0; l < 256; l++) {
         least[l] = find_least(count[l], warped->percentiles.voxels[l], most);
         warped->depth_mm[l] = least[l] * bin_mm;
     }
-    size_t i = 0;
-    for (uint32_t z = 0; !err && z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++, i++) {
-                const unsigned l = warped->label[i];
-                if (l == WARP_NONE || depth[i] < least[l]) {
-                    warped->label[i] = 0;
-                    continue;
-                }
-                const bool fits = warp_may_have(warped->within[l], percentiles_value(session, c));
-                warped->eroded[l]++;
-                warped->dropped[l] += !fits;
-                warped->label[i] = (uint16_t)(l == 0 ? SEEDS_BACKGROUND
-                                              : fits ? l
-                                                     : l + SEEDS_DROPPED);
+    uint16_t *label = warped->label;
+    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++, label++) {
+            const unsigned l = *label;
+            if (l == WARP_NONE || depth[label - warped->label] < least[l]) {
+                *label = 0;
+                continue;
             }
+            const bool fits = warp_may_have(warped->within[l], percentiles_value(session, c));
+            warped->eroded[l]++;
+            warped->dropped[l] += !fits;
+            *label = (uint16_t)(l == 0 ? SEEDS_BACKGROUND : fits ? l : l + SEEDS_DROPPED);
         }
-    free(depth);
-    free(count);
-    return err ? err : watch_fault(session->watch, fault);
+    return watch_fault(session->watch, fault);
 }
 
 /* ---- far from the warped label ---- */
@@ -198,14 +192,11 @@ static void find_extents(struct extent box[256], const struct warped *warped,
                          const struct scene *scene)
 {
     const uint16_t *from = warped->label;
-    for (uint32_t z = 0; z < scene->grid.size[2]; z++)
-        for (uint32_t y = 0; y < scene->grid.size[1]; y++) {
-            const struct cell *cell = scene->cell + grid_row(&scene->grid, y, z).first;
-            for (uint32_t x = 0; x < scene->grid.size[0]; x++, from++, cell++) {
-                extend(&box[cell->label], x, y, z);
-                if (*from < 256 && ++box[*from].warped)
-                    extend(&box[*from], x, y, z);
-            }
+    for (struct grid_walk w = grid_rows(&scene->grid); grid_walk_next(&w);)
+        for (uint32_t x = 0; x < scene->grid.size[0]; x++, from++) {
+            extend(&box[scene->cell[w.row.first + x].label], x, w.y, w.z);
+            if (*from < 256 && ++box[*from].warped)
+                extend(&box[*from], x, w.y, w.z);
         }
 }
 
@@ -257,17 +248,17 @@ static enum err count_far(uint64_t *far, uint64_t *squared, const struct extent 
 enum err warp_count_far(uint64_t far[256], const struct warped *warped,
                         const struct session *session, struct fault *fault)
 {
-    struct extent *box = mem_new(256 * sizeof *box);
+    OWNED(mem_release) struct extent *box = mem_new(256 * sizeof *box);
+    OWNED(mem_release)
     uint64_t *squared = mem_array(session->scene->grid.voxels, sizeof *squared);
-    enum err err = box && squared ? OK : fault_memory(fault, "the distance of labels");
-    if (!err)
-        find_extents(box, warped, session->scene);
+    enum err err = OK;
+    if (!box || !squared)
+        return fault_memory(fault, "the distance of labels");
+    find_extents(box, warped, session->scene);
     for (unsigned l = 1; !err && l < 256; l++) {
         far[l] = 0;
         if (box[l].is_there && session->tally.voxels[l])
             err = count_far(&far[l], squared, &box[l], l, warped, session, fault);
     }
-    free(box);
-    free(squared);
     return err;
 }

@@ -127,4 +127,10 @@ struct grid_walk grid_walk(const struct grid *grid, struct watch *watch, const c
                            struct slab slab, unsigned worker);
 bool grid_walk_next(struct grid_walk *walk);
 
+/* A walk over all rows that no watch stops. */
+static inline struct grid_walk grid_rows(const struct grid *grid)
+{
+    return grid_walk(grid, NULL, NULL, grid_slab(grid, 0, 1), 0);
+}
+
 #endif

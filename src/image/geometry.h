@@ -59,11 +59,16 @@ struct geometry {
     struct geometry_fields fields;
 };
 
+/* Return true if the sides of the patient and the distances are known; the origin may not be. */
+static inline bool geometry_has_sides(const struct geometry *geometry)
+{
+    return geometry->orientation != ORIENTATION_UNKNOWN && !geometry->spacing_unknown;
+}
+
 /* Return true if to_mm is a place in the world. The user states a direction of axes, no place. */
 static inline bool geometry_has_place(const struct geometry *geometry)
 {
-    return geometry->orientation != ORIENTATION_UNKNOWN &&
-           geometry->orientation != ORIENTATION_TOLD && !geometry->spacing_unknown;
+    return geometry_has_sides(geometry) && geometry->orientation != ORIENTATION_TOLD;
 }
 
 /* The real value of an intensity, or of a mean of intensities. */

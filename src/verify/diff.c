@@ -4,7 +4,6 @@
 
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -84,12 +83,9 @@ static enum err render_as(const struct sheet *sheet, enum relabelled as, struct 
     const struct grid *grid = &session->scene->grid;
     const struct labels labels = {session->scene, sheet->label};
     size_t voxel = 0;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                sheet->label[c] = new_label(sheet, as, voxel++);
-        }
+    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++)
+            sheet->label[c] = new_label(sheet, as, voxel++);
     const enum err err = session_go(session, &sheet->state, NULL, 0, fault);
     return err ? err : session_draw_labels(session, &labels, RENDER_BORDER, fault);
 }
@@ -218,20 +214,23 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     const struct view *view = &session->now.outlook.view;
     const uint32_t tall = notes_tall(least(view->width, view->height));
     const uint32_t line = (uint32_t)text_line(tall);
+    OWNED(mem_release) uint8_t *label = mem_new(session->scene->grid.cells);
     struct sheet sheet = {.of = of,
                           .session = session,
                           .state = session->now,
+                          .label = label,
                           .width = view->width,
                           .height = view->height,
                           .tall = tall,
                           .top = line + 2 * BORDER,
                           .bottom = ROWS * line + 2 * BORDER};
-    for (int label = 0; label < 256; label++)
-        sheet.visible[label] = kept_shows(&sheet.state.kept, label);
+    for (int l = 0; l < 256; l++)
+        sheet.visible[l] = kept_shows(&sheet.state.kept, l);
     sheet.state.outlook.shows_finished = 0;
     const uint32_t width = pane_left(&sheet, 3) - SEAM;
     const uint32_t height = sheet.top + sheet.height + sheet.bottom;
-    enum err err = picture_init(picture, width, height, 0, fault);
+    enum err err =
+        label ? picture_init(picture, width, height, 0, fault) : fault_memory(fault, "a picture");
     if (err)
         return err;
     sheet.canvas =
@@ -245,19 +244,14 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     for (uint32_t kind = A_ALONE; kind < DIFFERENCES; kind++)
         draw_entry(&sheet, (int64_t)pane_left(&sheet, 2) + BORDER, kind - A_ALONE,
                    difference_rgb[kind], difference_words[kind]);
-    sheet.label = mem_new(session->scene->grid.cells);
-    err = sheet.label ? session_draw(session, RENDER_AS_KEPT, fault)
-                      : fault_memory(fault, "a picture");
+    err = session_draw(session, RENDER_AS_KEPT, fault);
     if (!err)
         err = put_frame(&sheet, 0, fault);
     if (!err)
         err = render_as(&sheet, AS_B, fault);
     if (!err)
         err = put_frame(&sheet, 1, fault);
-    if (!err)
-        err = draw_difference(&sheet, fault);
-    free(sheet.label);
-    return err;
+    return err ? err : draw_difference(&sheet, fault);
 }
 
 /* ---- drawing in the process of A ---- */
@@ -392,29 +386,21 @@ static enum err add_picture(void *context, const struct interpreter *interp,
     return err;
 }
 
-/* Check that the bytes from the process are a picture: a hostile journal may have made them. */
-static enum err check_drawn(const struct side *a, struct fault *fault)
-{
-    const struct drawn *drawn = a->more;
-    return a->facts->more >= sizeof *drawn && drawn->width <= SIDE_MOST &&
-                   drawn->height <= SIDE_MOST &&
-                   a->facts->more - sizeof *drawn == (size_t)4 * drawn->width * drawn->height
-               ? OK
-               : fault_set(fault, ERR_INPUT, "a process returned no picture");
-}
-
 /* ---- the picture ---- */
 
 static enum err write_picture(const struct journals *j, struct fault *fault)
 {
     const struct drawn *drawn = j->side[0].more;
+    const size_t bytes = j->side[0].facts->more;
     OWNED(picture_release) struct picture picture = {0};
     OWNED(buf_release) struct buf words = {0};
     if (!j->options->picture)
         return OK;
-    enum err err = check_drawn(&j->side[0], fault);
-    if (!err)
-        err = picture_init(&picture, drawn->width, drawn->height, 0, fault);
+    /* A hostile journal may have made the bytes. */
+    if (bytes < sizeof *drawn || drawn->width > SIDE_MOST || drawn->height > SIDE_MOST ||
+        bytes - sizeof *drawn != (size_t)4 * drawn->width * drawn->height)
+        return fault_set(fault, ERR_INPUT, "a process returned no picture");
+    enum err err = picture_init(&picture, drawn->width, drawn->height, 0, fault);
     if (!err) {
         memcpy(picture.rgba, drawn + 1, (size_t)4 * picture.width * picture.height);
         err = picture_note(&picture, "Software", "iftty " PROGRAM_VERSION, fault);
@@ -433,11 +419,6 @@ static const char *name_of(const struct journals *j, int label)
     const struct side_facts *a = j->side[0].facts, *b = j->side[1].facts;
     const bool is_a = j->overlap.a[label] || a->label_number[label] == b->label_number[label];
     return is_a && *a->label_name[label] ? a->label_name[label] : b->label_name[label];
-}
-
-static bool is_listed(const struct overlap *overlap, int label)
-{
-    return overlap->a[label] || overlap->b[label];
 }
 
 static void write_first_difference(struct buf *out, const struct journals *j)
@@ -468,7 +449,7 @@ static void write_labels(struct buf *out, const struct journals *j)
     for (int label = 1; label < 256; label++) {
         OWNED(buf_release) struct buf name = {0};
         const unsigned dice = overlap_dice(o, (uint8_t)label);
-        if (!is_listed(o, label))
+        if (!o->a[label] && !o->b[label])
             continue;
         buf_printf(&name, "%u ", number_in(j, label));
         buf_add_safe_text(&name, name_of(j, label));
@@ -536,7 +517,7 @@ static void write_json(struct buf *out, const struct journals *j)
     json_count(&json, "differing", o->differing);
     json_array(&json, "labels");
     for (int label = 1; label < 256; label++) {
-        if (!is_listed(o, label))
+        if (!o->a[label] && !o->b[label])
             continue;
         json_object(&json, NULL);
         json_count(&json, "label", number_in(j, label));

@@ -16,15 +16,15 @@ void evidence_add(struct evidence *evidence, const char *caption, uint32_t width
 {
     if (evidence->pictures == EVIDENCE_MOST)
         return;
-    struct buf png = {0}, words = {0};
-    buf_add_text(&words, caption);
-    if (png_encode(&png, width, height, rgba, NULL) || words.failed) {
-        buf_release(&png);
-        buf_release(&words);
-        return;
+    struct buf *words = &evidence->picture[evidence->pictures].caption,
+               *png = &evidence->picture[evidence->pictures].png;
+    buf_add_text(words, caption);
+    evidence->pictures++;
+    if (png_encode(png, width, height, rgba, NULL) || words->failed) {
+        buf_release(words);
+        buf_release(png);
+        evidence->pictures--;
     }
-    evidence->picture[evidence->pictures].caption = words;
-    evidence->picture[evidence->pictures++].png = png;
 }
 
 void evidence_release(struct evidence *evidence)
@@ -111,23 +111,17 @@ static enum err compare_pixels(const struct picture *file, const struct picture 
                   : OK;
 }
 
-/* A PNG that was drawn again has the present name of the journal. */
-static bool names_journal(const struct attribute *text, const struct interpreter *interp)
-{
-    OWNED(buf_release) struct buf name = {0};
-    golden_journal_name(&name, buf_text(&interp->home));
-    return strcmp(text->name, "iftty:journal") == 0 && strcmp(text->value, buf_text(&name)) == 0;
-}
-
 static enum err compare_texts(const struct picture *file, const struct picture *golden,
                               const struct interpreter *interp, struct fault *fault)
 {
+    OWNED(buf_release) struct buf journal = {0};
+    golden_journal_name(&journal, buf_text(&interp->home));
     for (size_t i = 0; i < file->attributes; i++) {
         const struct attribute *text = &file->attribute[i];
         const char *note = picture_find(golden, text->name);
-        const bool is_of_its_time =
-            golden_note_is_of_its_time(text) && strcmp(text->name, "iftty:journal") != 0;
-        if (is_of_its_time || names_journal(text, interp) ||
+        /* A PNG that was drawn again has the present name of the journal. */
+        if ((strcmp(text->name, "iftty:journal") == 0 ? strcmp(text->value, buf_text(&journal)) == 0
+                                                      : golden_note_is_of_its_time(text)) ||
             (note && strcmp(note, text->value) == 0))
             continue;
         OWNED(buf_release) struct buf words = {0};

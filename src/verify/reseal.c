@@ -240,19 +240,6 @@ static bool has_other_result(const struct record *record, const char *words,
     return false;
 }
 
-/* Accepting is for pictures: reject any other result that has changed. */
-static enum err refuse_results(const struct record *record, const char *words, struct fault *fault)
-{
-    struct record_word word;
-    return has_other_result(record, words, &word)
-               ? fault_set(fault, ERR_CHECK,
-                           "record %zu (line %zu) has another %.*s, which is a result and not a "
-                           "picture: only pictures are accepted; iftty log --reseal records "
-                           "results; %s",
-                           record->number, record->line, (int)word.key_length, word.key, unchanged)
-               : OK;
-}
-
 /* Add the reason for a change, and the former result. */
 static void add_mark(const struct resealing *r, struct buf *out, const struct record *record,
                      const char *words)
@@ -305,6 +292,7 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
                               struct fault *fault)
 {
     OWNED(reply_release) struct reply reply = {0};
+    struct record_word word;
     enum err err = OK;
     if (r->why) {
         err = r->takes_results ? OK : record_judge(record, fault);
@@ -321,8 +309,12 @@ static enum err reseal_record(struct resealing *r, const char *bytes, const stru
     if (err)
         fault_prefix(fault, err, "record %zu (line %zu) fails; %s", record->number, record->line,
                      unchanged);
-    if (!err && !r->takes_results)
-        err = refuse_results(record, buf_text(&reply.words), fault);
+    if (!err && !r->takes_results && has_other_result(record, buf_text(&reply.words), &word))
+        err = fault_set(fault, ERR_CHECK,
+                        "record %zu (line %zu) has another %.*s, which is a result and not a "
+                        "picture: only pictures are accepted; iftty log --reseal records "
+                        "results; %s",
+                        record->number, record->line, (int)word.key_length, word.key, unchanged);
     /* A picture that is not a golden image: its digest is known, but the former picture is not.
      * */
     if (!err && r->why && !r->is_left && !r->note.length &&

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "verify/side.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -70,9 +69,8 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     if (!label)
         return fault_memory(fault, "labels");
     uint8_t *to = label;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++, to += grid->size[0])
-            labels_copy_row(&labels, grid_row(grid, y, z), to);
+    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w); to += grid->size[0])
+        labels_copy_row(&labels, w.row, to);
     memset(to, 0, end - voxels);
     out->length += end;
     memcpy(facts->size, grid->size, sizeof facts->size);
