@@ -27,7 +27,7 @@ static struct picture sample(uint8_t level)
 static struct picture_writer *begin(void)
 {
     struct picture_writer *writer = NULL;
-    CHECK_INT(picture_writer_new(&writer, built_program("iftty-image"), NULL), OK);
+    CHECK_INT(picture_writer_new(&writer, built_program("iftty-image")), OK);
     return writer;
 }
 
@@ -67,7 +67,7 @@ static const char *news(struct picture_writer *writer)
 {
     static struct buf text;
     buf_clear(&text);
-    CHECK_INT(picture_writer_wait(writer, NULL, NULL), OK);
+    CHECK_INT(picture_writer_wait(writer, NULL), OK);
     picture_writer_news(writer, &text);
     return buf_text(&text);
 }
@@ -77,7 +77,7 @@ static struct picture_writer *scripted(const char *script)
 {
     struct picture_writer *writer = NULL;
     const char *path = make_script(folder, "helper.sh", script);
-    CHECK_INT(picture_writer_new(&writer, path, NULL), OK);
+    CHECK_INT(picture_writer_new(&writer, path), OK);
     return writer;
 }
 
@@ -196,7 +196,7 @@ STORY(waiting_can_be_given_up)
     image_helper_patience_ms = 1500;
     for (unsigned i = 0; i < 3; i++)
         give(writer, i == 0 ? "up0.tif" : i == 1 ? "up1.tif" : "up2.tif", FILE_KEEP, 1);
-    CHECK_INT(picture_writer_wait(writer, &watch, NULL), ERR_CANCELLED);
+    CHECK_INT(picture_writer_wait(writer, &watch), ERR_CANCELLED);
     picture_writer_news(writer, &text);
     CHECK_HAS(buf_text(&text), "cancelled: ");
     CHECK_HAS(buf_text(&text), "up2.tif was not written\n");

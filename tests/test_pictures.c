@@ -491,7 +491,7 @@ static const char *news_of(struct interpreter *interp)
 {
     static struct buf text;
     buf_clear(&text);
-    picture_writer_wait(interp->writer, NULL, NULL);
+    picture_writer_wait(interp->writer, NULL);
     picture_writer_news(interp->writer, &text);
     return buf_text(&text);
 }
@@ -499,7 +499,7 @@ static const char *news_of(struct interpreter *interp)
 static void begin_beside(struct interpreter *interp)
 {
     begin_with_object(interp);
-    CHECK_INT(picture_writer_new(&interp->writer, helper_program(), NULL), OK);
+    CHECK_INT(picture_writer_new(&interp->writer, helper_program()), OK);
 }
 
 BEGUN_STORY(at_a_prompt_a_picture_is_written_beside_the_session, begin_beside)
@@ -547,7 +547,7 @@ BEGUN_STORY(a_picture_that_fails_later_changes_nothing_else, begin_beside)
 {
     CHECK_INT(file_make_folder("going", NULL), OK);
     picture_writer_free(interp->writer);
-    CHECK_INT(picture_writer_new(&interp->writer, "/nonexistent/iftty-image", NULL), OK);
+    CHECK_INT(picture_writer_new(&interp->writer, "/nonexistent/iftty-image"), OK);
     must(interp, "render going/a.tif");
     CHECK_HAS(news_of(interp), "error: cannot start the image helper /nonexistent/iftty-image");
     CHECK(session_rendered(interp->session) && !file_exists("going/a.tif"));

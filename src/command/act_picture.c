@@ -387,7 +387,7 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
     enum err err;
     if (is_beside) { /* a job for the picture writer, queued once the command is recorded */
         if (picture_writer_holds(interp->writer, path))
-            picture_writer_wait(interp->writer, NULL, NULL); /* so that its file exists */
+            picture_writer_wait(interp->writer, NULL); /* so that its file exists */
         interpreter_note_existing(interp, path, mode);
         err = picture_job_new(&interp->job, path, mode, picture, act->fault);
     } else {

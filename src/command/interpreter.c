@@ -417,7 +417,7 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
     if (interpreter_is_wary(interp))
         limits_will_write();
     if (interp->writer && picture_writer_holds(interp->writer, path))
-        picture_writer_wait(interp->writer, NULL, NULL); /* one write at a time */
+        picture_writer_wait(interp->writer, NULL); /* one write at a time */
     if (interp->journal && interp->mode == MODE_LIVE)
         err = journal_catch_up(interp->journal,
                                fault); /* records before the file is written are on the disk */

@@ -137,27 +137,25 @@ static void free_writer(struct picture_writer *writer)
     free(writer);
 }
 
-enum err picture_writer_new(struct picture_writer **out, const char *program, struct fault *fault)
+enum err picture_writer_new(struct picture_writer **out, const char *program)
 {
     struct picture_writer *writer = calloc(1, sizeof *writer);
     *out = NULL;
     if (!writer)
-        return fault_memory(fault, "a writer of pictures");
+        return ERR_MEMORY;
     writer->last = &writer->first;
     writer->descriptor = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    enum err err = image_helper_new(&writer->helper, program, fault);
+    const enum err err = image_helper_new(&writer->helper, program, NULL);
     if (err || writer->descriptor < 0) {
         free_writer(writer);
-        return err ? err
-                   : fault_set(fault, ERR_IO, "no descriptor is left for the writer of pictures");
+        return err ? err : ERR_IO;
     }
     pthread_mutex_init(&writer->lock, NULL);
     pthread_cond_init(&writer->given, NULL);
     thread_condition_init(&writer->done);
     if (!thread_start(&writer->thread, run_jobs, writer)) {
         free_writer(writer);
-        return fault_set(fault, ERR_IO,
-                         "no thread is available to write pictures in the background");
+        return ERR_IO;
     }
     *out = writer;
     return OK;
@@ -203,8 +201,7 @@ bool picture_writer_holds(struct picture_writer *writer, const char *path)
     return holds;
 }
 
-enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
-                             struct fault *fault)
+enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch)
 {
     bool stopped = false;
     pthread_mutex_lock(&writer->lock);
@@ -225,7 +222,7 @@ enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
         }
     }
     pthread_mutex_unlock(&writer->lock);
-    return stopped ? watch_fault(watch, fault) : OK;
+    return stopped ? watch_fault(watch, NULL) : OK;
 }
 
 void picture_writer_news(struct picture_writer *writer, struct buf *out)

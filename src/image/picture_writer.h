@@ -34,9 +34,9 @@ struct picture_writer;
  * picture_writer_give. */
 struct picture_job;
 
-/* `program` as for image_helper_new; it starts with the first job that needs it. */
-enum err picture_writer_new(struct picture_writer **writer, const char *program,
-                            struct fault *fault);
+/* `program` as for image_helper_new; it starts with the first job that needs it. ERR_MEMORY, or
+ * ERR_IO without a descriptor or a thread. */
+enum err picture_writer_new(struct picture_writer **writer, const char *program);
 
 /* Wait for all jobs and free the writer; accepts NULL. */
 void picture_writer_free(struct picture_writer *writer);
@@ -59,8 +59,7 @@ bool picture_writer_holds(struct picture_writer *writer, const char *path);
 
 /* Wait until all jobs are done. If the watch (or NULL) stops, cancel jobs that have not begun,
  * report it as their outcome, and return ERR_CANCELLED. */
-enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch,
-                             struct fault *fault);
+enum err picture_writer_wait(struct picture_writer *writer, struct watch *watch);
 
 /* Append a line for each new outcome: "wrote a.png", or "error: " and the message. */
 void picture_writer_news(struct picture_writer *writer, struct buf *out);

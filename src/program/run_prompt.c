@@ -492,7 +492,7 @@ static void finish_pictures(struct prompt *prompt)
     OWNED(buf_release) struct buf text = {0};
     console_forget_interrupt();
     watch_begin(console_watch());
-    picture_writer_wait(prompt->interp.writer, console_watch(), NULL);
+    picture_writer_wait(prompt->interp.writer, console_watch());
     console_erase_progress();
     picture_writer_news(prompt->interp.writer, &text);
     fputs(buf_text(&text), stdout);
@@ -548,7 +548,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
         prompt.interp.new_journal = buf_text(&journal);
     /* On error pictures are written before the next prompt. */
     if (!err && is_terminal)
-        picture_writer_new(&prompt.interp.writer, NULL, NULL);
+        picture_writer_new(&prompt.interp.writer, NULL);
     prompt.host = (struct pilot_host){.context = &prompt,
                                       .execute = prompt_execute,
                                       .sketch = prompt_sketch,
