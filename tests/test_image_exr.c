@@ -19,9 +19,8 @@ static uint64_t chance = 1;
 static struct picture sample(uint32_t width, uint32_t height, bool all_planes)
 {
     struct picture p;
-    CHECK_INT(picture_init(&p, width, height, all_planes ? PICTURE_BUT_NORMAL : 0, NULL), OK);
-    if (all_planes)
-        CHECK_INT(picture_add_normals(&p, NULL), OK);
+    const unsigned planes = all_planes ? PICTURE_BUT_NORMAL | PICTURE_NORMAL : 0;
+    CHECK_INT(picture_init(&p, width, height, planes, NULL), OK);
     for (size_t i = 0; i < (size_t)width * height; i++) {
         for (size_t c = 0; c < 4; c++)
             p.rgba[4 * i + c] = (uint8_t)(i * (2 * c + 1) + c);

@@ -112,7 +112,7 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
             continue;
         write_counts(act, &counts, label);
         if (label && stats[label].sums.voxels)
-            label_report_write_text(out, &report, label, 4);
+            label_report_write_text(out, &report, label);
     }
     if (err)
         return err;

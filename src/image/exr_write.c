@@ -429,15 +429,12 @@ static enum err compress_strip(void *context, const struct picture *rows, uint32
     uint32_t step[2];
     step_of(step, rows);
     const size_t pixels = (size_t)least(step[0], rows->width) * rows->height;
-    struct packing packing = {.coder = coder, .rows = rows, .top = top, .out = out};
-    packing.room = (struct exr_room){mem_array(pixels, 4 * sizeof *packing.room.halves),
-                                     mem_array(pixels, sizeof *packing.room.eye)};
-    exr_result_t result = packing.room.halves && packing.room.eye
-                              ? exr_each_block(rows, step, pack_block, &packing)
-                              : EXR_ERR_OUT_OF_MEMORY;
+    OWNED(mem_release) uint16_t *halves = mem_array(pixels, 4 * sizeof *halves);
+    OWNED(mem_release) float *eye = mem_array(pixels, sizeof *eye);
+    struct packing packing = {coder, rows, top, {halves, eye}, out, NULL};
+    exr_result_t result =
+        halves && eye ? exr_each_block(rows, step, pack_block, &packing) : EXR_ERR_OUT_OF_MEMORY;
     *check = 0;
-    free(packing.room.halves);
-    free(packing.room.eye);
     return result ? exr_fault("write", &coder->nowhere, result, fault) : OK;
 }
 

@@ -38,6 +38,7 @@
 #include <string.h>
 
 #include "base/buf.h"
+#include "base/mem.h"
 #include "base/scan.h"
 #include "engine/grid.h"
 #include "image/names.h"
@@ -336,7 +337,8 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
 {
     uint8_t bytes[HEADER_BYTES] = {0};
     struct volume_map written = *map, narrow = *map;
-    struct buf header = {0}, tail = {0};
+    OWNED(buf_release) struct buf tail = {0};
+    struct buf header = {0};
     if (map->type == VOXEL_UINT32)
         return fault_set(fault, ERR_USAGE,
                          "cannot write %s: FreeSurfer's files hold no numbers up to 4294967295; "
@@ -357,11 +359,9 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
         write_names(&tail, map->label);
     header.failed |= tail.failed;
     written.tail = &tail;
-    const enum err err =
-        voxels_write(path, mode, &header, file_is_named(path, ".mgh") ? PACKED_NOT : PACKED_WHOLE,
-                     &written, watch, fault);
-    buf_release(&tail);
-    return err;
+    return voxels_write(path, mode, &header,
+                        file_is_named(path, ".mgh") ? PACKED_NOT : PACKED_WHOLE, &written, watch,
+                        fault);
 }
 
 extern const struct volume_format mgh_format;

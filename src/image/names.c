@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/mem.h"
 #include "base/scan.h"
 
 void names_add(struct buf *names, uint32_t number, const uint8_t rgb[3], const char *name,
@@ -128,7 +129,7 @@ void names_read_xml(struct buf *names, const char *xml, size_t length, uint32_t 
 {
     static const char open[] = "<LabelTable", element[] = "<Label";
     const char *end = xml + length, *at = find(xml, end, open);
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     for (const char *next = at; next < end && table-- > 0;) {
         next = find(next + 1, end, open);
         at = next < end ? next : at;
@@ -143,7 +144,6 @@ void names_read_xml(struct buf *names, const char *xml, size_t length, uint32_t 
             at = read_label(names, &name, word, stop);
     }
     names->failed |= name.failed;
-    buf_release(&name);
 }
 
 unsigned names_next(const struct volume_label label[256], uint32_t *last)

@@ -658,12 +658,11 @@ static enum err read_names(struct buf *names, const struct volume_header *header
             err = source_go_to(source, at, part, fault);
             continue;
         }
-        char *xml = mem_new((size_t)length);
+        OWNED(mem_release) char *xml = mem_new((size_t)length);
         err = xml ? source_read(source, xml, (size_t)length - EXTENSION_HEAD, part, NULL, fault)
                   : fault_memory(fault, part);
         if (!err)
             names_read_xml(names, xml, (size_t)length - EXTENSION_HEAD, header->choice.volume);
-        free(xml);
         goes_on = names->length == before;
     }
     return err;
@@ -672,7 +671,7 @@ static enum err read_names(struct buf *names, const struct volume_header *header
 /* Append the four bytes after the header, and the extension. */
 static void write_names(struct buf *out, const struct volume_map *map)
 {
-    struct buf xml = {0};
+    OWNED(buf_release) struct buf xml = {0};
     uint8_t head[4 + EXTENSION_HEAD] = {0};
     bool has_names = false;
     for (int l = 1; map->label && l < 256; l++)
@@ -688,7 +687,6 @@ static void write_names(struct buf *out, const struct volume_map *map)
     buf_add(out, head, has_names ? sizeof head : 4);
     buf_add_text(out, buf_text(&xml));
     out->failed |= xml.failed;
-    buf_release(&xml);
 }
 
 /* ---- pairs ---- */
@@ -807,7 +805,8 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
                           struct watch *watch, struct fault *fault)
 {
     uint8_t bytes[NIFTI_MOST_BYTES] = {0};
-    struct buf begin = {0}, names = {0};
+    OWNED(buf_release) struct buf names = {0};
+    struct buf begin = {0};
     struct nifti_header header = {.bytes = NIFTI_LEAST_BYTES, .scl_slope = 1, .dim = {3}};
     for (int a = 1; a < 8; a++) {
         header.dim[a] = a <= 3 ? map->size[a - 1] : 1;
@@ -836,7 +835,6 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
     buf_add(&begin, bytes, header.bytes);
     buf_add(&begin, names.data, names.length);
     begin.failed |= names.failed;
-    buf_release(&names);
     return voxels_write(path, mode, &begin, file_is_named(path, ".gz") ? PACKED_WHOLE : PACKED_NOT,
                         map, watch, fault);
 }

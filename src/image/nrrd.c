@@ -292,7 +292,8 @@ static enum err read_names(struct buf *names, const struct volume_header *header
 {
     size_t length = 0;
     unsigned count = 0;
-    char *bytes = source->packed ? NULL : first_bytes(source, &length);
+    OWNED(mem_release) char *bytes = source->packed ? NULL : first_bytes(source, &length);
+    OWNED(mem_release)
     struct segment *segment = bytes ? read_segments(&count, bytes, length) : NULL;
     for (unsigned i = 0; i < count; i++) {
         const struct segment *s = &segment[i];
@@ -305,10 +306,7 @@ static enum err read_names(struct buf *names, const struct volume_header *header
         names_add(names, (uint32_t)s->value, s->has_colour ? s->rgb : NULL, s->name,
                   is_ours ? 0 : (size_t)s->name_length);
     }
-    const bool failed = bytes && !segment;
-    free(segment);
-    free(bytes);
-    return failed ? fault_memory(fault, "the segments") : OK;
+    return bytes && !segment ? fault_memory(fault, "the segments") : OK;
 }
 
 static bool recognises(const uint8_t *begin, size_t length)
@@ -322,18 +320,16 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
     struct nrrd_header header;
     struct grid grid;
     size_t length = 0;
-    char *bytes = source->packed ? NULL : first_bytes(source, &length);
+    OWNED(mem_release) char *bytes = source->packed ? NULL : first_bytes(source, &length);
     const bool is_ours = bytes && nrrd_header_read(&header, bytes, length);
     enum err err = is_ours ? enter_voxels(source, &header, fault) : OK;
-    free(bytes);
     if (err)
         return err;
     if (!source->decoder) { /* read by the helper; add the segments of several volumes */
-        bytes = source->packed ? NULL : first_bytes(source, &length); /* which were changed */
+        OWNED(mem_release) char *unchanged = bytes ? first_bytes(source, &length) : NULL;
         err = volume_helper_read_header(out, source, fault);
-        if (!err && bytes && out->volumes > 1)
-            list_segments(out, bytes, length);
-        free(bytes);
+        if (!err && unchanged && out->volumes > 1)
+            list_segments(out, unchanged, length);
         return err;
     }
     const uint64_t end = header.offset + (header.is_packed ? 1 : nrrd_voxels_bytes(&header));

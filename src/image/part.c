@@ -176,26 +176,22 @@ enum err part_read(void *to, const struct volume_header *header, uint64_t offset
 {
     const bool means = header->choice.reduce > 1 && !header->choice.nearest;
     const size_t plane = means ? (size_t)header->size[0] * header->size[1] : 0;
-    struct blocks blocks = {
-        .header = header, .source = source, .offset = offset, .width = voxel_bytes(header->type)};
-    blocks.row = mem_array(header->whole[0], blocks.width);
-    blocks.sum = means ? mem_array(plane, sizeof *blocks.sum) : NULL;
-    blocks.count = means ? mem_array(plane, sizeof *blocks.count) : NULL;
-    if (blocks.sum && blocks.count) {
-        memset(blocks.sum, 0, plane * sizeof *blocks.sum);
-        memset(blocks.count, 0, plane * sizeof *blocks.count);
+    const unsigned width = voxel_bytes(header->type);
+    OWNED(mem_release) uint8_t *row = mem_array(header->whole[0], width);
+    OWNED(mem_release) double *sum = means ? mem_array(plane, sizeof *sum) : NULL;
+    OWNED(mem_release) uint32_t *count = means ? mem_array(plane, sizeof *count) : NULL;
+    if (!row || (means && (!sum || !count)))
+        return fault_memory(fault, "a plane of voxels");
+    for (size_t i = 0; i < plane; i++) {
+        sum[i] = 0;
+        count[i] = 0;
     }
-    const bool fits = blocks.row && (!means || (blocks.sum && blocks.count));
+    struct blocks blocks = {header, source, offset, width, row, sum, count};
     const uint32_t planes = header->size[2] * header->step[2];
     struct task task = task_begin(
         watch, "reading", (uint64_t)planes * header->size[1] * header->step[1] * header->whole[0]);
-    enum err err = fits ? OK : fault_memory(fault, "a plane of voxels");
+    enum err err = OK;
     for (uint32_t z = 0; z < planes && !err; z++)
         err = read_plane(to, &blocks, z, &task, fault);
-    if (!err)
-        err = source_finish(source, fault);
-    free(blocks.row);
-    free(blocks.sum);
-    free(blocks.count);
-    return err;
+    return err ? err : source_finish(source, fault);
 }

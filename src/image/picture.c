@@ -44,13 +44,6 @@ unsigned picture_planes(const struct picture *picture)
            (picture->voxel ? PICTURE_VOXEL : 0) | (picture->normal ? PICTURE_NORMAL : 0);
 }
 
-enum err picture_add_normals(struct picture *picture, struct fault *fault)
-{
-    const size_t pixels = (size_t)picture->width * picture->height;
-    picture->normal = calloc(pixels, 3 * sizeof *picture->normal);
-    return picture->normal ? OK : fault_memory(fault, "the normals of a picture");
-}
-
 struct picture picture_rows(const struct picture *picture, uint32_t top, uint32_t height)
 {
     const size_t first = (size_t)top * picture->width;

@@ -69,9 +69,6 @@ enum err picture_init(struct picture *picture, uint32_t width, uint32_t height, 
 
 /* The planes of a picture. */
 unsigned picture_planes(const struct picture *picture);
-
-/* Allocate normals for all pixels, zeroed. On failure the picture is unchanged. */
-enum err picture_add_normals(struct picture *picture, struct fault *fault);
 void picture_release(struct picture *picture);
 
 /* `height` rows from row `top`; borrows the planes, and has no notes. */

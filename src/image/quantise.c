@@ -467,18 +467,14 @@ static enum err fit_distinct(bool *fits, const struct fitting *f)
 {
     const unsigned width = voxel_bytes(f->type);
     struct volume *volume = f->volume;
-    struct distinct *d = mem_new(sizeof *d);
+    OWNED(mem_release) struct distinct *d = mem_new(sizeof *d);
     *fits = d && find_distinct(d, f);
     if (*fits)
         volume->value = mem_array(d->count, sizeof *volume->value);
-    if (!d || (*fits && !volume->value)) {
-        free(d);
+    if (!d || (*fits && !volume->value))
         return fault_memory(f->fault, "a map");
-    }
-    if (!*fits) {
-        free(d);
+    if (!*fits)
         return OK;
-    }
     qsort(d->rising, d->count, sizeof *d->rising, compare_orders);
     volume->values = (uint32_t)d->count;
     for (size_t i = 0; i < d->count; i++) {
@@ -488,7 +484,6 @@ static enum err fit_distinct(bool *fits, const struct fitting *f)
     for (size_t i = 0, end; i < f->count && task_advance(f->task, PIECE); i = end)
         for (end = i + PIECE < f->count ? i + PIECE : f->count; i < end; i++)
             volume->intensity[i] = d->rank[find_slot(d, order_at(f->from + width * i, f->type))];
-    free(d);
     return OK;
 }
 

@@ -171,11 +171,10 @@ enum volume_guess volume_guess(const char *path)
 {
     static const char tiff[][5] = {"II*", "II+", "MM\0*", "MM\0+"};
     uint8_t begin[FIRST_BYTES];
-    struct volume_source source;
+    OWNED(source_close) struct volume_source source;
     if (source_open(&source, path, NULL, NULL) || source.is_folder)
         return GUESS_UNKNOWN;
     const size_t length = source_peek(&source, begin, sizeof begin);
-    source_close(&source);
     if (is_dicom(begin, length))
         return GUESS_PATIENT;
     for (size_t i = 0; length >= 4 && i < sizeof tiff / sizeof *tiff; i++)
@@ -429,14 +428,12 @@ enum err volume_read_names(struct buf *names, const struct volume_reader *reader
 {
     const size_t before = names->length;
     struct fault own = {.text = ""};
-    struct volume_source source;
     if (!reader->format->read_names)
         return OK;
+    OWNED(source_close) struct volume_source source;
     enum err err = source_open(&source, reader->path, reader->source.watch, &own);
-    if (!err) {
+    if (!err)
         err = reader->format->read_names(names, &reader->header, &source, &own);
-        source_close(&source);
-    }
     if (names->failed)
         return fault_memory(fault, "the names of labels");
     if (err == ERR_MEMORY || err == ERR_CANCELLED)

@@ -69,18 +69,17 @@ static void figures_add_cell(struct buf *out, int columns, int decimals, double 
         buf_printf(out, " %*.*f", columns, decimals, value);
 }
 
-static void figures_add_volume(struct buf *out, int columns, const char *sign,
-                               const struct geometry *geometry, uint64_t voxels)
+static void figures_add_volume(struct buf *out, const char *sign, const struct geometry *geometry,
+                               uint64_t voxels)
 {
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     buf_add_text(&words, voxels ? sign : "");
     if (voxels)
         tally_write_volume(&words, geometry, voxels);
     else
         buf_add_char(&words, '0');
-    buf_printf(out, " %*s", columns, buf_text(&words));
+    buf_printf(out, " %9s", buf_text(&words));
     out->failed |= words.failed;
-    buf_release(&words);
 }
 
 bool comparison_has(const struct comparison *comparison, unsigned label)
@@ -340,6 +339,7 @@ enum err comparison_classify(uint8_t *class, const struct grid *grid,
                              struct watch *watch, struct fault *fault)
 {
     const struct distance_scale scale = distance_scale_of(compared->spacing_nm, compared->size);
+    OWNED(work_release)
     struct work w = {.compared = compared, .scale = &scale, .team = team, .watch = watch};
     struct overlap overlap = {0};
     struct box box[256];
@@ -361,7 +361,6 @@ enum err comparison_classify(uint8_t *class, const struct grid *grid,
                 row[x] = (uint8_t)(COMPARISON_CLASS_ON + (w.set[voxel] & IN_B ? -steps : steps));
             }
         }
-    work_release(&w);
     return err;
 }
 
@@ -421,9 +420,8 @@ static void add_figures(struct json *json, const struct comparison_report *repor
     const struct label_distances *d = &report->comparison->distance[label];
     const struct figures f = figures_of(report, label);
     figures_write_json(json, &f);
-    if (!d->has_hausdorff || d->hausdorff_mm == 0)
-        return;
-    json_counts(json, "farthest", d->farthest, 3);
+    if (d->has_hausdorff && d->hausdorff_mm != 0)
+        json_counts(json, "farthest", d->farthest, 3);
 }
 
 void comparison_write_json(struct buf *out, const struct comparison_report *report)
@@ -487,16 +485,15 @@ static void write_row(struct buf *out, const struct comparison_report *report, u
 {
     const struct overlap_counts n = overlap_counts_of(&report->comparison->overlap, label);
     const struct label_distances *d = &report->comparison->distance[label];
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     if (label)
         buf_printf(&name, "%u ", numbering_of(report->kept, label));
     buf_add_safe_text(&name, label ? report->kept->label_name[label] : "all");
     buf_printf(out, "%-16s", buf_text(&name));
-    buf_release(&name);
     figures_add_cell(out, 6, 4, figures_dice(&report->comparison->overlap, label));
     figures_add_cell(out, 7, 4, jaccard(&n));
-    figures_add_volume(out, 9, "", report->geometry, n.a);
-    figures_add_volume(out, 9, n.a > n.b ? "+" : "-", report->geometry,
+    figures_add_volume(out, "", report->geometry, n.a);
+    figures_add_volume(out, n.a > n.b ? "+" : "-", report->geometry,
                        n.a > n.b ? n.a - n.b : n.b - n.a);
     figures_add_cell(out, 9, 2, d->has_hausdorff ? d->hausdorff_mm : NAN);
     figures_add_cell(out, 6, 2, d->has_surfaces ? d->percentile_95_mm : NAN);

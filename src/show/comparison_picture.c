@@ -56,8 +56,8 @@ static enum err fit_view(struct state *state, struct session *session, uint8_t *
 {
     const struct labels classes = {session->scene, class};
     struct view *view = &state->outlook.view;
-    struct border border;
-    struct fit fit;
+    OWNED(border_release) struct border border = {0};
+    OWNED(fit_release) struct fit fit = {0};
     uint32_t place[3];
     enum err err = comparison_classify(class, &classes.scene->grid, compared, 1, session->team,
                                        session->watch, fault);
@@ -68,13 +68,11 @@ static enum err fit_view(struct state *state, struct session *session, uint8_t *
     border.labels = classes;
     border_recount(&border);
     err = fit_init(&fit, &border, fault);
-    border_release(&border);
     if (err)
         return err;
     fit_place(&fit, view, place);
     view->zoom = fit_zoom(&fit, view, place, state->outlook.look.samples);
     view_focus_on(view, session->scene, place);
-    fit_release(&fit);
     return OK;
 }
 
@@ -161,14 +159,13 @@ static void write_names(const struct canvas *canvas, const struct comparison_rep
     int64_t top = notes_margin(unit);
     const int64_t room = canvas->width / 2 - 2 * (int64_t)unit; /* clear of the upper letter */
     for (int i = 0; i < 2 && notes_side(canvas) >= NOTES_BARS_FROM; i++) {
-        struct buf safe = {0};
+        OWNED(buf_release) struct buf safe = {0};
         buf_printf(&safe, "%c  ", 'A' + i);
         buf_add_safe_text(&safe, report->name[i]);
         while (safe.length && text_width(safe.data, unit) > room)
             safe.data[--safe.length] = '\0';
         text_draw(canvas, notes_margin(unit), top, unit, buf_text(&safe), &notes_light);
         top += text_line(unit);
-        buf_release(&safe);
     }
 }
 
@@ -209,7 +206,7 @@ enum err distance_picture_draw(struct picture *picture, struct session *session,
         return fault_set(fault, ERR_INPUT,
                          "there is no picture of the surface: expected an object in A and in B, "
                          "which the edge of the scene does not cut off all around");
-    uint8_t *class = mem_new(session->scene->grid.cells);
+    OWNED(mem_release) uint8_t *class = mem_new(session->scene->grid.cells);
     enum err err = class ? OK : fault_memory(fault, "a picture");
     if (!err && fits)
         err = fit_view(&state, session, class, compared, fault);
@@ -219,7 +216,6 @@ enum err distance_picture_draw(struct picture *picture, struct session *session,
         err = render_classes(class, &most_mm, session, compared, distance->most_mm, fault);
     if (!err)
         err = take_picture(picture, session, report, most_mm, fault);
-    free(class);
     if (err)
         picture_release(picture);
     return err ? err : session_go(session, &before, NULL, 0, fault);
@@ -246,13 +242,9 @@ static uint8_t *differences_of(const struct compared *compared, const struct gri
 {
     uint8_t *difference = mem_new(grid->cells);
     size_t i = 0;
-    for (uint32_t z = 0; difference && z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++, i++)
-                difference[c] =
-                    (uint8_t)difference_of(compared->label[0][i], compared->label[1][i]);
-        }
+    for (struct grid_walk w = grid_rows(grid); difference && grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++, i++)
+            difference[c] = (uint8_t)difference_of(compared->label[0][i], compared->label[1][i]);
     return difference;
 }
 
@@ -302,12 +294,11 @@ struct sheet {
 static void write_words(struct sheet *sheet, unsigned left, const char *words, bool stays_on_line)
 {
     const int64_t at = (int64_t)left * sheet->tall;
-    struct buf fitting = {0};
+    OWNED(buf_release) struct buf fitting = {0};
     buf_add_safe_text(&fitting, words);
     if (fitting.length)
         text_cut(fitting.data, fitting.length + 1, sheet->tall, sheet->canvas.width - at);
     text_draw(&sheet->canvas, at, sheet->top, sheet->tall, buf_text(&fitting), &notes_light);
-    buf_release(&fitting);
     sheet->top += stays_on_line ? 0 : sheet->next;
 }
 
@@ -329,13 +320,11 @@ static void write_report(const struct canvas *canvas, const struct comparison_re
         .top = notes_margin(tall),
         .next = text_line(tall),
     };
-    struct buf name = {0};
     for (int i = 0; i < 2; i++) {
-        buf_clear(&name);
+        OWNED(buf_release) struct buf name = {0};
         buf_printf(&name, "%c  %s", 'A' + i, report->name[i]);
         write_words(&sheet, 1, buf_text(&name), false);
     }
-    buf_release(&name);
     for (int i = AGREES; i < DIFFERENCES; i++) {
         canvas_box(&sheet.canvas, tall, sheet.top, tall, tall, difference_rgb[i]);
         write_words(&sheet, 3, difference_words[i], false);
@@ -372,12 +361,12 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
         return err;
     const struct canvas canvas = {
         .width = view->width, .height = view->height, .stride = view->width, .rgba = picture->rgba};
+    OWNED(mem_release)
     uint8_t *difference = differences_of(report->comparison->of, &session->scene->grid);
     err = difference ? draw_slices(&canvas, session, difference, place, fault)
                      : fault_memory(fault, "a picture");
-    free(difference);
     if (!err) {
-        struct buf words = {0};
+        OWNED(buf_release) struct buf words = {0};
         write_report(&canvas, report);
         buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels, through %u,%u,%u",
                    report->comparison->overlap.differing, report->comparison->overlap.voxels,
@@ -385,7 +374,6 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
         err = export_notes(picture, session, NULL, fault);
         if (!err)
             err = export_note(picture, "iftty:differ", &words, fault);
-        buf_release(&words);
     }
     if (err)
         picture_release(picture);

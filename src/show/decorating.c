@@ -41,10 +41,9 @@ static enum err list_labels(struct legend_line line[255], size_t *lines, struct 
         else
             snprintf(next->name, sizeof next->name, "label %u",
                      numbering_of(&session->now.kept, label));
-        struct buf words = {0};
+        OWNED(buf_release) struct buf words = {0};
         label_report_write_extent(&words, session, shown.voxels[label]);
         snprintf(next->amount, 32, "%s", words.failed ? "" : buf_text(&words));
-        buf_release(&words);
     }
     return err;
 }

@@ -699,7 +699,7 @@ enum err pictures_begin(struct pictures **pictures, struct session *session, str
 static enum err draw_finished(struct pictures *p, const struct labels *labels,
                               enum render_mode mode, struct fault *fault)
 {
-    struct border border;
+    OWNED(border_release) struct border border;
     enum err err = border_init(&border, p->session->scene, fault);
     if (err)
         return err;
@@ -711,7 +711,6 @@ static enum err draw_finished(struct pictures *p, const struct labels *labels,
         err = draw_border(p, &border, mode, fault);
     shader_release(&p->shader);
     mesh_release(&p->mesh);
-    border_release(&border);
     return err;
 }
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "show/export_map.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"
@@ -89,7 +88,7 @@ void export_labels(struct volume_label label[256], const struct kept *kept)
 static enum err check_rest(const struct map_source *source, uint32_t *most, struct fault *fault)
 {
     const size_t voxels = source->session->scene->grid.voxels;
-    bool *has = mem_new((REGION_NONE + 1) * sizeof *has);
+    OWNED(mem_release) bool *has = mem_new((REGION_NONE + 1) * sizeof *has);
     unsigned label = 1;
     if (!has)
         return fault_memory(fault, "the regions that are kept");
@@ -100,7 +99,6 @@ static enum err check_rest(const struct map_source *source, uint32_t *most, stru
     while (label < 256 && !(source->used[label] && source->number[label] <= REGION_MOST &&
                             has[source->number[label]]))
         label++;
-    free(has);
     if (label == 256)
         return OK;
     return fault_set(fault, ERR_INPUT,
@@ -115,12 +113,9 @@ static enum err find_type(struct map_source *source, struct fault *fault)
 {
     const struct grid *grid = &source->session->scene->grid;
     bool *used = source->used;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++)
-                used[labels_at(source->labels, c)] = true;
-        }
+    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++)
+            used[labels_at(source->labels, c)] = true;
     uint32_t most = 0;
     const enum err err = source->rest ? check_rest(source, &most, fault) : OK;
     for (unsigned l = 0; l < 256; l++)
@@ -142,19 +137,19 @@ enum err export_map(const struct session *session, enum map map, const struct la
                 [MAP_DISTANCE] = {VOXEL_UINT16, "iftty plateau distance: steps since a rise"},
                 [MAP_MARGIN] = {VOXEL_UINT16, "iftty margin: cost of the next best label, less"},
                 [MAP_INTENSITY] = {VOXEL_FLOAT32, "iftty intensity"}};
-    struct map_source source = {.session = session, .labels = labels, .map = map};
+    OWNED(mem_release) uint16_t *margin = NULL, *rest = NULL;
     struct volume_label label[256];
-    struct buf description = {0};
-    enum err err = map == MAP_MARGIN   ? margin_new(&source.margin, session->forest, fault)
-                   : map == MAP_LABELS ? session_take_rest(session, &source.rest, fault)
+    OWNED(buf_release) struct buf description = {0};
+    enum err err = map == MAP_MARGIN   ? margin_new(&margin, session->forest, fault)
+                   : map == MAP_LABELS ? session_take_rest(session, &rest, fault)
                                        : OK;
+    struct map_source source = {
+        .session = session, .labels = labels, .map = map, .margin = margin, .rest = rest};
     numbering_fill(source.number, &session->now.kept);
     if (!err && map == MAP_LABELS)
         err = find_type(&source, fault);
-    if (err) {
-        free(source.rest);
+    if (err)
         return err;
-    }
     export_labels(label, &session->now.kept);
     for (int l = 0; l < 256; l++)
         label[l].used = source.used[l];
@@ -171,42 +166,35 @@ enum err export_map(const struct session *session, enum map map, const struct la
                                        &source,
                                        map == MAP_LABELS ? label : NULL,
                                        NULL};
-    err = description.failed ? fault_memory(fault, "a map")
-                             : volume_write(path, mode, &written, session->watch, fault);
-    buf_release(&description);
-    free(source.margin);
-    free(source.rest);
-    return err;
+    return description.failed ? fault_memory(fault, "a map")
+                              : volume_write(path, mode, &written, session->watch, fault);
 }
 
 enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault)
 {
     const struct grid *grid = &session->scene->grid;
-    struct task task = task_begin(session->watch, "seeds", grid->voxels);
+    const struct slab whole = grid_slab(grid, 0, 1);
     uint32_t number[256];
     numbering_fill(number, &session->now.kept);
     buf_add_text(out, forest_limited_seeds(session->forest) ? "x,y,z,label,within,of x,of y,of z\n"
                                                             : "x,y,z,label\n");
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1] && task_advance(&task, grid->size[0]); y++) {
-            const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                if (!(session->scene->cell[c].flags & CELL_SEED))
-                    continue;
-                const struct reach *reach = forest_reach(session->forest, c);
-                buf_printf(out, "%u,%u,%u,%u", c - row.first, y, z,
-                           number[session->scene->cell[c].label]);
-                if (reach && reach->unit[0] == 1)
-                    buf_printf(out, ",%lld",
-                               reach->radius == REACH_EXACT ? 0 : (long long)reach->radius);
-                else if (reach)
-                    buf_printf(out, ",%lld.%06lldmm", (long long)(reach->radius / 1000000),
-                               (long long)(reach->radius % 1000000));
-                if (reach)
-                    buf_printf(out, ",%u,%u,%u", reach->centre[0], reach->centre[1],
-                               reach->centre[2]);
-                buf_add_char(out, '\n');
-            }
+    for (struct grid_walk w = grid_walk(grid, session->watch, "seeds", whole, 0);
+         grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++) {
+            if (!(session->scene->cell[c].flags & CELL_SEED))
+                continue;
+            const struct reach *reach = forest_reach(session->forest, c);
+            buf_printf(out, "%u,%u,%u,%u", c - w.row.first, w.y, w.z,
+                       number[session->scene->cell[c].label]);
+            if (reach && reach->unit[0] == 1)
+                buf_printf(out, ",%lld",
+                           reach->radius == REACH_EXACT ? 0 : (long long)reach->radius);
+            else if (reach)
+                buf_printf(out, ",%lld.%06lldmm", (long long)(reach->radius / 1000000),
+                           (long long)(reach->radius % 1000000));
+            if (reach)
+                buf_printf(out, ",%u,%u,%u", reach->centre[0], reach->centre[1], reach->centre[2]);
+            buf_add_char(out, '\n');
         }
     return out->failed ? fault_memory(fault, "a list of seeds")
                        : watch_fault(session->watch, fault);

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/json.h"
@@ -146,14 +145,13 @@ static void write_cut(struct buf *out, const struct cut *cut, const struct grid 
 void export_opacity(struct buf *out, const struct kept *kept)
 {
     const uint8_t *opacity = kept->opacity, usual = opacity[0];
-    struct buf others = {0};
+    OWNED(buf_release) struct buf others = {0};
     for (unsigned label = 1; label < 256; label++)
         if (opacity[label] != usual)
             buf_printf(&others, ", %u %% of label %u", opacity[label], numbering_of(kept, label));
     if (usual < BORDER_OPAQUE || others.length)
         buf_printf(out, "%u %%%s", usual, buf_text(&others));
     out->failed |= others.failed;
-    buf_release(&others);
 }
 
 enum err export_note(struct picture *picture, const char *name, struct buf *words,
@@ -170,7 +168,7 @@ static enum err add_view_notes(struct picture *picture, const struct session *se
                                struct fault *fault)
 {
     const struct cut *cut = &session->now.kept.cut;
-    struct buf words = {0}, opacity = {0};
+    OWNED(buf_release) struct buf words = {0}, opacity = {0};
     write_view(&words, session);
     enum err err = export_note(picture, "iftty:view", &words, fault);
     if (!err && !cut_is_none(cut)) {
@@ -180,7 +178,6 @@ static enum err add_view_notes(struct picture *picture, const struct session *se
     export_opacity(&opacity, &session->now.kept);
     if (!err && (opacity.length || opacity.failed))
         err = export_note(picture, "iftty:opacity", &opacity, fault);
-    buf_release(&opacity);
     if (err)
         return err;
     settings_write(&words, GROUP_LOOK, &session->now);
@@ -337,10 +334,12 @@ enum err export_background(struct picture *picture, const struct session *sessio
 enum err export_normals(struct picture *picture, const struct session *session, struct fault *fault)
 {
     const struct rendition *r = session_frame(session);
-    const enum err err = picture_add_normals(picture, fault);
-    if (!err)
-        seen_normals(picture->normal, r->normal, (size_t)r->width * r->height, &session->geometry);
-    return err;
+    const size_t pixels = (size_t)r->width * r->height;
+    picture->normal = mem_array(pixels, 3 * sizeof *picture->normal);
+    if (!picture->normal)
+        return fault_memory(fault, "the normals of a picture");
+    seen_normals(picture->normal, r->normal, pixels, &session->geometry);
+    return OK;
 }
 
 /* ---- export in rows ---- */
@@ -377,7 +376,7 @@ static enum err finish_colours(const struct exporting *e, const struct rendition
     if (!e->decorating)
         return OK;
     const size_t pixels = (size_t)rows->height * width;
-    uint8_t *layer = mem_new(4 * pixels);
+    OWNED(mem_release) uint8_t *layer = mem_new(4 * pixels);
     const struct canvas canvas = {.width = width,
                                   .height = e->picture->height,
                                   .stride = width,
@@ -389,7 +388,6 @@ static enum err finish_colours(const struct exporting *e, const struct rendition
     const enum err err = decoration_draw(&canvas, &e->decorating->of, fault);
     canvas_lay_over(layer, rows->rgba, pixels);
     memcpy(rows->rgba, layer, 4 * pixels);
-    free(layer);
     return err;
 }
 

@@ -110,13 +110,12 @@ bool session_find_surprise(struct surprise *surprise, struct session *session)
 static enum err find_extents(struct label_extent extent[256], const struct grid *grid,
                              const uint8_t *label, struct watch *watch, struct fault *fault)
 {
-    struct components components = {0};
+    OWNED(components_release) struct components components = {0};
     const enum err err = components_find(&components, grid, label, watch, fault);
     for (size_t i = 0; !err && i < components.count; i++) {
         extent[components.item[i].label].voxels += components.item[i].voxels;
         extent[components.item[i].label].pieces++;
     }
-    components_release(&components);
     return err;
 }
 
@@ -140,7 +139,7 @@ enum err label_loss_find(struct label_loss *loss, const struct labels *finished,
 {
     const struct grid *grid = &finished->scene->grid;
     const struct labels forest = labels_of_forest(finished->scene);
-    uint8_t *label = mem_array(grid->cells, 1);
+    OWNED(mem_release) uint8_t *label = mem_array(grid->cells, 1);
     *loss = (struct label_loss){.labels = 0};
     if (!label)
         return fault_memory(fault, "labels before the finish");
@@ -150,16 +149,17 @@ enum err label_loss_find(struct label_loss *loss, const struct labels *finished,
         err = find_extents(loss->before, grid, label, watch, fault);
     if (!err)
         err = find_extents(loss->after, grid, finished->finished, watch, fault);
-    for (uint32_t c = 0; !err && c < grid->cells; c++)
+    if (err)
+        return err;
+    for (uint32_t c = 0; c < grid->cells; c++)
         loss->far += label[c] != finished->finished[c] && is_far(grid, label, c);
-    for (unsigned l = 1; !err && l < 256; l++) {
+    for (unsigned l = 1; l < 256; l++) {
         const struct label_extent *before = &loss->before[l], *after = &loss->after[l];
         loss->is_lost[l] = before->voxels &&
                            (2 * after->voxels < before->voxels || after->pieces > before->pieces);
         loss->labels += loss->is_lost[l];
     }
-    free(label);
-    return err;
+    return OK;
 }
 
 static void write_extent(struct buf *out, const struct label_extent *extent)

@@ -37,9 +37,9 @@ static void cross(double out[3], const double a[3], const double b[3])
         out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-static void make_long(double v[3], double length)
+static void make_unit(double v[3])
 {
-    const double factor = length / sqrt(dot(v, v));
+    const double factor = 1 / sqrt(dot(v, v));
     for (int i = 0; i < 3; i++)
         v[i] *= factor;
 }
@@ -101,7 +101,7 @@ static void add_edge(struct squares *s, const double n[3], const double m[3], do
 static void add_normal(struct squares *s, const double normal[3], double share)
 {
     double across[3] = {-normal[1], normal[0], 0}, third[3];
-    make_long(across, 1);
+    make_unit(across);
     cross(third, normal, across);
     add_plane(s, normal, share);
     for (int turn = 0; turn < TURNS; turn++) {
@@ -109,7 +109,7 @@ static void add_normal(struct squares *s, const double normal[3], double share)
         double n[3], m[3];
         for (int a = 0; a < 3; a++)
             n[a] = (1 - t) * across[a] + t * third[a];
-        make_long(n, 1);
+        make_unit(n);
         cross(m, normal, n);
         add_edge(s, n, m, share / TURNS);
     }
@@ -129,7 +129,7 @@ static double add_normals(struct squares *s, int octants)
         const double share = pow(dot(normal, normal), -1.5);
         normal[0] *= octant & 1 ? -1 : 1;
         normal[1] *= octant & 2 ? -1 : 1;
-        make_long(normal, 1);
+        make_unit(normal);
         add_normal(s, normal, share);
         sum += share;
     }
@@ -178,7 +178,7 @@ void area_weights_init(struct area_weights *weights, const struct geometry *geom
     double normal[3][3];
     for (int a = 0; a < 3; a++) {
         cross(normal[a], step_mm[(a + 1) % 3], step_mm[(a + 2) % 3]);
-        make_long(normal[a], 1);
+        make_unit(normal[a]);
     }
     for (int a = 0; a < 3; a++) {
         add_plane(&s, normal[a], share);
@@ -444,18 +444,17 @@ void label_report_write_sums(struct buf *out, const struct label_sums *sums,
     buf_add_text(out, geometry->spacing_unknown ? " voxels" : " mm");
 }
 
-static void write_last_edit(struct buf *out, const struct label_report *report, unsigned label,
-                            int blanks)
+static void write_last_edit(struct buf *out, const struct label_report *report, unsigned label)
 {
     const bool has_moves = report->gained && report->gained[label] + report->lost[label] > 0;
     if (!has_moves && (report->gained || !report->before || change(report, label) == 0))
         return;
-    buf_printf(out, "%*sthe last edit ", blanks, "");
     if (has_moves)
-        buf_printf(out, "added %" PRIu64 " voxel%s to it and removed %" PRIu64 ": ",
+        buf_printf(out,
+                   "    the last edit added %" PRIu64 " voxel%s to it and removed %" PRIu64 ": ",
                    report->gained[label], plural(report->gained[label]), report->lost[label]);
     else
-        buf_add_text(out, "changed it by ");
+        buf_add_text(out, "    the last edit changed it by ");
     const double voxels = change(report, label);
     buf_add_text(out, voxels < 0 ? "-" : "+");
     if (report->geometry->spacing_unknown)
@@ -465,36 +464,33 @@ static void write_last_edit(struct buf *out, const struct label_report *report, 
     buf_add_char(out, '\n');
 }
 
-void label_report_write_text(struct buf *out, const struct label_report *report, unsigned label,
-                             int blanks)
+void label_report_write_text(struct buf *out, const struct label_report *report, unsigned label)
 {
     const struct label_stats *s = &report->stats[label];
     const struct label_sums *sums = &s->sums;
     const double mm2 = surface_mm2(report, label);
-    buf_printf(out, "%*s%u component%s, %u hole%s", blanks, "", s->components,
-               plural(s->components), s->holes, plural(s->holes));
+    buf_printf(out, "    %u component%s, %u hole%s", s->components, plural(s->components), s->holes,
+               plural(s->holes));
     if (!isnan(mm2))
         buf_printf(out, ", surface %.4g %s%s", mm2 < 1e4 ? mm2 : mm2 / 100,
                    mm2 < 1e4 ? "mm2" : "cm2",
                    geometry_fill(report->geometry) < 1 ? " roughly, of sheared axes" : "");
-    buf_printf(out, "\n%*s", blanks, "");
     double centre[3], mm[3];
     find_centre(centre, sums);
     find_place(mm, report->geometry, centre);
-    buf_printf(out, "centre %.1f,%.1f,%.1f", centre[0], centre[1], centre[2]);
+    buf_printf(out, "\n    centre %.1f,%.1f,%.1f", centre[0], centre[1], centre[2]);
     if (!isnan(mm[0]))
         buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     buf_printf(out, ", box %u,%u,%u to %u,%u,%u\n", sums->first[0], sums->first[1], sums->first[2],
                sums->last[0], sums->last[1], sums->last[2]);
-    buf_printf(out, "%*s", blanks, "");
     const double spread = fabs(report->geometry->slope) * deviation(sums);
     double range[2];
     find_range(range, report, label);
     const int more = geometry_digits(report->geometry) - 6; /* digits beyond those of most scenes */
-    buf_printf(out, "intensity %.*g", 5 + more, geometry_value(report->geometry, mean(sums)));
+    buf_printf(out, "    intensity %.*g", 5 + more, geometry_value(report->geometry, mean(sums)));
     if (!isnan(spread))
         buf_printf(out, ", deviation %.4g", spread);
     buf_printf(out, ", median %.*g, %.*g..%.*g\n", 5 + more, median(report, label), 6 + more,
                range[0], 6 + more, range[1]);
-    write_last_edit(out, report, label, blanks);
+    write_last_edit(out, report, label);
 }

@@ -75,9 +75,8 @@ struct label_report {
     const bool *listed;          /* [256], labels with a row although they have no voxel; or NULL */
 };
 
-/* Lines about one label that has voxels, each indented by `blanks`. */
-void label_report_write_text(struct buf *out, const struct label_report *report, unsigned label,
-                             int blanks);
+/* Lines about one label that has voxels, each indented by four blanks. */
+void label_report_write_text(struct buf *out, const struct label_report *report, unsigned label);
 
 /* "mean 93, SD 12.3, 78 x 102 x 94 mm": intensities of a label that has voxels, and its bounding
  * box, in voxels if the spacing is unknown. */

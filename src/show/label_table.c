@@ -80,7 +80,7 @@ static size_t character_at(const char *text, size_t at, int step)
 
 static enum err take_name(struct label_entry *entry, struct part name, struct fault *fault)
 {
-    struct buf plain = {0}, fit = {0};
+    OWNED(buf_release) struct buf plain = {0}, fit = {0};
     name = trimmed(name);
     const bool is_quoted = name.end - name.at > 1 && name.at[0] == '"' && name.end[-1] == '"';
     if (is_quoted)
@@ -91,8 +91,9 @@ static enum err take_name(struct label_entry *entry, struct part name, struct fa
     }
     if (plain.length && !plain.failed)
         write_fit(&fit, buf_text(&plain), plain.length);
-    const bool failed = plain.failed || fit.failed;
-    if (fit.length > NAME_MOST && !failed) {
+    if (plain.failed || fit.failed)
+        return fault_memory(fault, "the names of labels");
+    if (fit.length > NAME_MOST) {
         /* Keep both ends of a name that is too long. */
         enum { TAIL = 13 };
         const size_t head = character_at(fit.data, NAME_MOST - 1 - TAIL, -1);
@@ -100,14 +101,12 @@ static enum err take_name(struct label_entry *entry, struct part name, struct fa
         memcpy(entry->name, fit.data, head);
         entry->name[head] = '~';
         memcpy(entry->name + head + 1, fit.data + tail, fit.length - tail);
-    } else if (!failed) {
+    } else {
         memcpy(entry->name, buf_text(&fit), fit.length);
     }
     const size_t length = strlen(entry->name);
     entry->changed = length != plain.length || memcmp(entry->name, buf_text(&plain), length) != 0;
-    buf_release(&plain);
-    buf_release(&fit);
-    return failed ? fault_memory(fault, "the names of labels") : OK;
+    return OK;
 }
 
 /* ---- reading ---- */
