@@ -40,7 +40,7 @@ static bool count_all(uint32_t *count[256], struct percentiles *out, const struc
                       const uint16_t *label)
 {
     const struct scene *scene = session->scene;
-    for (struct grid_walk w = grid_rows(&scene->grid); grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(&scene->grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++, label++) {
             if (*label > 255)
                 continue;
@@ -218,7 +218,7 @@ static enum err take_labels(struct procedure *p, const struct session *session, 
     if (!found || !label || !p->voxel)
         return fault_memory(fault, "labels");
     size_t i = 0;
-    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++, i++)
             label[i] = p->voxel[i] = scene->cell[c].label;
     const enum err err = percentiles_find(found, session, label, fault);
@@ -291,7 +291,7 @@ static enum err hand_back(void *context, const struct interpreter *interp,
     buf_add(out, buf_text(&text), text.length);
     out->failed |= text.failed;
     uint16_t *to = !err && noting->with_image ? buf_reserve(out, grid->voxels * sizeof *to) : NULL;
-    for (struct grid_walk w = grid_rows(grid); to && grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(grid, NULL, NULL); to && grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++, out->length += sizeof *to)
             memcpy(out->data + out->length, &scene->cell[c].intensity, sizeof *to);
     return err;

@@ -513,7 +513,7 @@ static void count_borders(uint64_t border[256], const struct session *session)
 {
     const struct scene *scene = session->scene;
     const struct grid *grid = &scene->grid;
-    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++) {
             const struct cell *at = scene->cell + c;
             bool differs = false;

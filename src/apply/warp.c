@@ -154,7 +154,7 @@ enum err warp_seeds(struct warped *warped, const struct session *session, double
         warped->depth_mm[l] = least[l] * bin_mm;
     }
     uint16_t *label = warped->label;
-    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++, label++) {
             const unsigned l = *label;
             if (l == WARP_NONE || depth[label - warped->label] < least[l]) {
@@ -192,7 +192,7 @@ static void find_extents(struct extent box[256], const struct warped *warped,
                          const struct scene *scene)
 {
     const uint16_t *from = warped->label;
-    for (struct grid_walk w = grid_rows(&scene->grid); grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(&scene->grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t x = 0; x < scene->grid.size[0]; x++, from++) {
             extend(&box[scene->cell[w.row.first + x].label], x, w.y, w.z);
             if (*from < 256 && ++box[*from].warped)

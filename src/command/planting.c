@@ -872,8 +872,7 @@ static enum err collect_filled(struct voxels *out, const struct act *act, const 
                                size_t count)
 {
     const struct grid *grid = &act->session->scene->grid;
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, act->session->watch, "slices", whole, 0);
+    struct grid_walk walk = grid_rows(grid, act->session->watch, "slices");
     out->cell = mem_array(count, sizeof *out->cell);
     if (!out->cell)
         return fault_memory(act->fault, "seeds");
@@ -976,8 +975,7 @@ static enum err find_pieces(struct search *s)
 {
     const struct session *session = s->act->session;
     const struct grid *grid = &session->scene->grid;
-    const struct slab whole = {0, grid->size[2]};
-    struct grid_walk walk = grid_walk(grid, session->watch, "voxels in the range", whole, 0);
+    struct grid_walk walk = grid_rows(grid, session->watch, "voxels in the range");
     memset(s->may, 0, grid->cells);
     while (grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++) {

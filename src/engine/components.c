@@ -64,7 +64,7 @@ static void join_rows(struct finding *f, size_t row, size_t back, uint32_t step)
 
 static enum err find_runs(struct finding *f, struct watch *watch, struct fault *fault)
 {
-    struct grid_walk w = grid_walk(f->grid, watch, "components", grid_slab(f->grid, 0, 1), 0);
+    struct grid_walk w = grid_rows(f->grid, watch, "components");
     for (size_t row = 0; grid_walk_next(&w); row++) {
         f->row[row] = f->found->runs;
         if (!add_row(f, w.row))

@@ -63,7 +63,7 @@ bool forest_check(const struct forest *forest, struct fault *fault)
     size_t seeds = 0;
     uint64_t keys = 0, labels = 0;
     const struct grid *grid = &forest->scene->grid;
-    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++) {
             const struct cell *cell = forest->cell + c;
             const char *wrong = voxel_wrong(forest, c);

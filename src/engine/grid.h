@@ -127,10 +127,11 @@ struct grid_walk grid_walk(const struct grid *grid, struct watch *watch, const c
                            struct slab slab, unsigned worker);
 bool grid_walk_next(struct grid_walk *walk);
 
-/* A walk over all rows that no watch stops. */
-static inline struct grid_walk grid_rows(const struct grid *grid)
+/* The same over all rows by one thread. Without a watch it is short, and cannot be stopped. */
+static inline struct grid_walk grid_rows(const struct grid *grid, struct watch *watch,
+                                         const char *what)
 {
-    return grid_walk(grid, NULL, NULL, grid_slab(grid, 0, 1), 0);
+    return grid_walk(grid, watch, what, grid_slab(grid, 0, 1), 0);
 }
 
 #endif

@@ -496,7 +496,7 @@ static enum err count_holes(struct label_stats *stats, const struct scene *scene
         return err;
     /* 1 in voxels of the label, else 0. */
     OWNED(mem_release) uint8_t *selected = mem_array(box.cells, 1);
-    struct grid_walk w = grid_walk(&box, scene->watch, "holes", grid_slab(&box, 0, 1), 0);
+    struct grid_walk w = grid_rows(&box, scene->watch, "holes");
     while (selected && grid_walk_next(&w)) {
         const uint8_t *from = label + grid_cell(grid, corner[0], corner[1] + w.y, corner[2] + w.z);
         for (uint32_t x = 0; x < box.size[0]; x++)

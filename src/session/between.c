@@ -78,8 +78,7 @@ struct filling {
 
 static void measure_sections(struct filling *f)
 {
-    const struct slab whole = {0, f->grid->size[2]};
-    struct grid_walk walk = grid_walk(f->grid, f->watch, "outlines", whole, 0);
+    struct grid_walk walk = grid_rows(f->grid, f->watch, "outlines");
     memset(f->section, 0, f->grid->size[f->axis] * sizeof *f->section);
     while (grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++) {

@@ -455,7 +455,7 @@ static enum err draw_all(struct seeds *seeds, struct stock *stock, const struct 
     if (!reserve_seeds(seeds, total))
         return fault_memory(fault, "the seeds of a label map");
     const uint16_t *at = map->intensity;
-    struct grid_walk w = grid_walk(grid, watch, "drawing seeds", grid_slab(grid, 0, 1), 0);
+    struct grid_walk w = grid_rows(grid, watch, "drawing seeds");
     while (grid_walk_next(&w))
         for (uint32_t c = w.row.first; c < w.row.end; c++, at++)
             if (*at != REGION_NONE &&
@@ -535,8 +535,7 @@ static enum err take_labels(struct work *w, const uint16_t *region, struct fault
     while (w->spare < 256 && is_there[w->spare])
         w->spare++;
     memset(w->label, 0, grid->cells);
-    struct grid_walk rows =
-        grid_walk(grid, w->watch, "labels of the map", grid_slab(grid, 0, 1), 0);
+    struct grid_walk rows = grid_rows(grid, w->watch, "labels of the map");
     while (grid_walk_next(&rows))
         for (uint32_t c = rows.row.first; c < rows.row.end; c++, region++) {
             const uint16_t label = *region == REGION_NONE ? w->choice->rest : *region;

@@ -242,7 +242,7 @@ static uint8_t *differences_of(const struct compared *compared, const struct gri
 {
     uint8_t *difference = mem_new(grid->cells);
     size_t i = 0;
-    for (struct grid_walk w = grid_rows(grid); difference && grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(grid, NULL, NULL); difference && grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++, i++)
             difference[c] = (uint8_t)difference_of(compared->label[0][i], compared->label[1][i]);
     return difference;

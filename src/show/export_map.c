@@ -113,7 +113,7 @@ static enum err find_type(struct map_source *source, struct fault *fault)
 {
     const struct grid *grid = &source->session->scene->grid;
     bool *used = source->used;
-    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++)
             used[labels_at(source->labels, c)] = true;
     uint32_t most = 0;
@@ -173,13 +173,11 @@ enum err export_map(const struct session *session, enum map map, const struct la
 enum err export_seeds(struct buf *out, const struct session *session, struct fault *fault)
 {
     const struct grid *grid = &session->scene->grid;
-    const struct slab whole = grid_slab(grid, 0, 1);
     uint32_t number[256];
     numbering_fill(number, &session->now.kept);
     buf_add_text(out, forest_limited_seeds(session->forest) ? "x,y,z,label,within,of x,of y,of z\n"
                                                             : "x,y,z,label\n");
-    for (struct grid_walk w = grid_walk(grid, session->watch, "seeds", whole, 0);
-         grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(grid, session->watch, "seeds"); grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++) {
             if (!(session->scene->cell[c].flags & CELL_SEED))
                 continue;

@@ -83,7 +83,7 @@ static enum err render_as(const struct sheet *sheet, enum relabelled as, struct 
     const struct grid *grid = &session->scene->grid;
     const struct labels labels = {session->scene, sheet->label};
     size_t voxel = 0;
-    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w);)
+    for (struct grid_walk w = grid_rows(grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++)
             sheet->label[c] = new_label(sheet, as, voxel++);
     const enum err err = session_go(session, &sheet->state, NULL, 0, fault);

@@ -110,16 +110,11 @@ static enum err judge_file(const struct orphan_search *search, const struct gold
     return search->is_strict || file_is_named(name, PICTURE_NAMES) ? ERR_CHECK : OK;
 }
 
-static int compare_names(const struct dirent **a, const struct dirent **b)
-{
-    return strcmp((*a)->d_name, (*b)->d_name);
-}
-
 static enum err list_orphans(struct buf *orphans, const struct orphan_search *search,
                              const struct golden_files *files, struct fault *fault)
 {
     OWNED(mem_release) struct dirent **entry = NULL;
-    const int entries = scandirat(files->folder, ".", &entry, NULL, compare_names);
+    const int entries = scandirat(files->folder, ".", &entry, NULL, alphasort);
     enum err err = entries < 0 ? fault_errno(fault, "read", buf_text(&files->path)) : OK;
     for (int i = 0; i < entries; i++) {
         const char *name = entry[i]->d_name;

@@ -69,7 +69,7 @@ static enum err hand_back(struct buf *out, const struct interpreter *interp,
     if (!label)
         return fault_memory(fault, "labels");
     uint8_t *to = label;
-    for (struct grid_walk w = grid_rows(grid); grid_walk_next(&w); to += grid->size[0])
+    for (struct grid_walk w = grid_rows(grid, NULL, NULL); grid_walk_next(&w); to += grid->size[0])
         labels_copy_row(&labels, w.row, to);
     memset(to, 0, end - voxels);
     out->length += end;
