@@ -7,7 +7,8 @@
 #include "base/mem.h"
 
 enum {
-    COSTS = 65536,
+    GROUP_COSTS = 256,
+    GROUPS = 65536 / GROUP_COSTS,
     HOPS = 65536,
     CHUNK_ENTRIES = 62, /* even; with the two words before them 256 bytes, four cache lines */
     PAGE_CHUNKS = 16,   /* in 4096 bytes */
@@ -34,13 +35,17 @@ struct queue {
     uint32_t level; /* being served, if `open` */
     bool open;
     bool failed;
-    /* Heads of lists, each the index of its first chunk. Entries at (cost, 0), nearly all in
-     * practice, move to the hops as whole lists when their cost is served; the others wait as pairs
-     * (hops, cell) and are distributed one by one. */
-    uint32_t at_rise[COSTS];
-    uint32_t later[COSTS];
-    uint32_t by_hops[HOPS]; /* entries of the cost being served, by hops */
-    struct marks costs, hops;
+    /* Heads of lists, each the index of its first chunk. Only the costs of one group have lists of
+     * their own, whose ends fit into the cache. Entries of other groups wait as pairs (level, cell)
+     * and are distributed one by one when their group is served. Entries at (cost, 0), nearly all
+     * in practice, move to the hops as whole lists when their cost is served; the others wait as
+     * pairs (hops, cell). */
+    uint32_t group; /* being served; 0 at first, so that costs of 8 bits never wait as pairs */
+    uint32_t by_group[GROUPS];
+    uint32_t at_rise[GROUP_COSTS];
+    uint32_t later[GROUP_COSTS];
+    uint32_t by_hops[HOPS];   /* entries of the cost being served, by hops */
+    struct marks costs, hops; /* costs with a list; the first cost of a group that waits */
 };
 
 static void marks_set(struct marks *m, uint32_t n)
@@ -143,16 +148,28 @@ static inline void add_at_hops(struct queue *queue, uint32_t hops, uint32_t cell
     add_to(queue, &queue->by_hops[hops], cell);
 }
 
-static void add_at_cost(struct queue *queue, uint32_t cost, uint32_t hops, uint32_t cell)
+/* Add two words. CHUNK_ENTRIES is even: a pair never straddles two chunks. */
+static inline void add_pair(struct queue *queue, uint32_t *head, uint32_t word, uint32_t cell)
 {
-    if (!queue->at_rise[cost] && !queue->later[cost])
-        marks_set(&queue->costs, cost);
-    if (hops == 0) {
-        add_to(queue, &queue->at_rise[cost], cell);
-    } else { /* CHUNK_ENTRIES is even: a pair never straddles two chunks */
-        add_to(queue, &queue->later[cost], hops);
-        add_to(queue, &queue->later[cost], cell);
+    add_to(queue, head, word);
+    add_to(queue, head, cell);
+}
+
+static inline void add_at_cost(struct queue *queue, uint32_t level, uint32_t cell)
+{
+    const uint32_t cost = level >> 16, group = cost / GROUP_COSTS, i = cost % GROUP_COSTS;
+    if (group != queue->group) {
+        if (!queue->by_group[group])
+            marks_set(&queue->costs, cost - i);
+        add_pair(queue, &queue->by_group[group], level, cell);
+        return;
     }
+    if (!queue->at_rise[i] && !queue->later[i])
+        marks_set(&queue->costs, cost);
+    if ((level & 0xFFFF) == 0)
+        add_to(queue, &queue->at_rise[i], cell);
+    else
+        add_pair(queue, &queue->later[i], level, cell);
 }
 
 void queue_push(struct queue *queue, uint32_t level, uint32_t cell)
@@ -160,7 +177,7 @@ void queue_push(struct queue *queue, uint32_t level, uint32_t cell)
     if (queue->open && level >> 16 == queue->level >> 16)
         add_at_hops(queue, level & 0xFFFF, cell);
     else
-        add_at_cost(queue, level >> 16, level & 0xFFFF, cell);
+        add_at_cost(queue, level, cell);
 }
 
 void queue_push_many(struct queue *queue, const struct waiting *item, size_t count)
@@ -206,25 +223,36 @@ uint64_t queue_lowest(const struct queue *queue)
     return marks_lowest(&queue->costs, &lowest) ? lowest << 16 : QUEUE_EMPTY;
 }
 
+/* Remove all pairs (level, cell) of a list, and add them again. */
+static void distribute(struct queue *queue, uint32_t *head)
+{
+    for (uint32_t handle; (handle = take_chunk(queue, head));) {
+        for (uint32_t i = 0; i + 1 < queue->pool[handle].count; i += 2) {
+            const uint32_t *pair = queue->pool[handle].cell + i;
+            queue_push(queue, pair[0], pair[1]);
+        }
+        release_chunk(queue, handle);
+    }
+}
+
 void queue_serve(struct queue *queue, uint32_t level)
 {
-    if (!queue->open || queue->level >> 16 != level >> 16) {
-        /* Distribute the entries of `cost` over the hops. */
-        const uint32_t cost = level >> 16;
+    const uint32_t cost = level >> 16, group = cost / GROUP_COSTS, i = cost % GROUP_COSTS;
+    if (group != queue->group) {
+        queue->group = group;
+        queue->open = false;
+        marks_unset(&queue->costs, group * GROUP_COSTS);
+        distribute(queue, &queue->by_group[group]);
+    }
+    if (!queue->open || queue->level >> 16 != cost) {
         marks_unset(&queue->costs, cost);
-        queue->level = cost << 16;
+        queue->level = level;
         queue->open = true;
-        queue->by_hops[0] = queue->at_rise[cost];
-        queue->at_rise[cost] = 0;
+        queue->by_hops[0] = queue->at_rise[i];
+        queue->at_rise[i] = 0;
         if (queue->by_hops[0])
             marks_set(&queue->hops, 0);
-        for (uint32_t handle; (handle = take_chunk(queue, &queue->later[cost]));) {
-            for (uint32_t i = 0; i + 1 < queue->pool[handle].count; i += 2) {
-                const uint32_t *pair = queue->pool[handle].cell + i;
-                add_at_hops(queue, pair[0], pair[1]);
-            }
-            release_chunk(queue, handle);
-        }
+        distribute(queue, &queue->later[i]);
     }
     queue->level = level;
 }
@@ -249,18 +277,23 @@ size_t queue_take(struct queue *queue, uint32_t *cells, size_t capacity)
 
 void queue_rewind(struct queue *queue)
 {
-    uint32_t cost = queue->level >> 16, hops;
-    if (!queue->open)
-        return;
-    queue->open = false;
-    while (marks_lowest(&queue->hops, &hops)) {
-        for (uint32_t handle; (handle = take_chunk(queue, &queue->by_hops[hops]));) {
-            for (uint32_t i = 0; i < queue->pool[handle].count; i++)
-                add_at_cost(queue, cost, hops, queue->pool[handle].cell[i]);
-            release_chunk(queue, handle);
+    const uint32_t group = queue->group, end = (group + 1) * GROUP_COSTS;
+    uint32_t hops;
+    for (uint32_t cost = queue->level >> 16; queue->open && cost < end; cost++) {
+        queue_serve(queue, cost << 16);
+        queue->group = 0;
+        while (marks_lowest(&queue->hops, &hops)) {
+            for (uint32_t handle; (handle = take_chunk(queue, &queue->by_hops[hops]));) {
+                for (uint32_t i = 0; i < queue->pool[handle].count; i++)
+                    add_at_cost(queue, cost << 16 | hops, queue->pool[handle].cell[i]);
+                release_chunk(queue, handle);
+            }
+            marks_unset(&queue->hops, hops);
         }
-        marks_unset(&queue->hops, hops);
+        queue->group = group;
     }
+    queue->group = 0;
+    queue->open = false;
 }
 
 void queue_trim(struct queue *queue)
@@ -268,17 +301,17 @@ void queue_trim(struct queue *queue)
     if (queue->chunks > queue->kept)
         resize_pool(queue, queue->kept);
     queue->used = 1; /* an empty queue holds free chunks only */
-    queue->free = 0;
+    queue->free = queue->group = 0;
     queue->open = false;
 }
 
 void queue_clear(struct queue *queue)
 {
     queue->used = 1;
-    queue->free = 0;
-    queue->open = false;
-    queue->failed = false;
+    queue->free = queue->group = 0;
+    queue->open = queue->failed = false;
     queue->costs = queue->hops = (struct marks){{0}, {0}};
+    memset(queue->by_group, 0, sizeof queue->by_group);
     memset(queue->at_rise, 0, sizeof queue->at_rise);
     memset(queue->later, 0, sizeof queue->later);
     memset(queue->by_hops, 0, sizeof queue->by_hops);

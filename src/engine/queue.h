@@ -3,9 +3,10 @@
  * The queue: cells waiting at levels (cost, hops), served in the order of levels.
  *
  * Within a level there is no order, and none is needed: keys of one level make no offers within it.
- * Each cost has a bucket; when a cost is served, its bucket is distributed over the hops. Entries
- * are never removed early: an entry whose cell has moved to another level is stale and is skipped
- * when the level is served (the cell's own key and CELL_QUEUED decide).
+ * Each group of 256 costs has a bucket; when a group is served, its bucket is distributed over its
+ * costs, and when a cost is served, its bucket over the hops. Entries are never removed early: an
+ * entry whose cell has moved to another level is stale and is skipped when the level is served (the
+ * cell's own key and CELL_QUEUED decide).
  *
  * Buckets are lists of small chunks from a pool. If the pool cannot grow, entries are dropped and
  * `failed` is set: the result of the pass is then invalid.
