@@ -3,7 +3,8 @@
  * iftty: segment 3-D scenes by seeds, in a terminal.
  *
  * The programs are in program/program_table.c, each with the function that runs it. Exit status: 0
- * fine, 1 a check failed, 2 bad usage, 3 bad input or I/O, 130 Ctrl-C (base/err.h).
+ * success, 1 a check failed or `apply` rejected a scene, 2 bad usage, 3 bad input or I/O, 130
+ * Ctrl-C (base/err.h).
  */
 #include "program/program.h"
 
