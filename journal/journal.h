@@ -3,13 +3,13 @@
  * The journal: a file of records. One session appends to it; later sessions resume and replay it.
  *
  * Promises; tests use the same numbers:
- *   J1 a command is acknowledged only after its record is synced: when journal_append returns OK,
- *      the record and all earlier ones are on the disk. A command that does not change the
- *      segmentation is acknowledged when its record is written: a loss of power may remove such
- *      records of the last second from the end of the file, but no record of another command.
- *      journal_set_sync can weaken this promise;
+ *   J1 a command that changes the segmentation is acknowledged only after its record is synced:
+ *      when journal_append returns OK, the record and all earlier ones are on the disk. Any other
+ *      command is acknowledged when its record is written: a loss of power may remove such records
+ *      of the last second from the end of the file, but no record of a command that changes the
+ *      segmentation. journal_set_sync can weaken this promise;
  *   J2 the file is always header + valid records + at most one torn record;
- *   J3 bytes before the end of the valid part never change;
+ *   J3 the bytes of valid records never change;
  *   J4 replay reproduces every recorded word, or stops at the first one that differs and reports it
  *      (journal/replay.h);
  *   J5 if an append fails, the file is truncated to its former length and the call returns an
@@ -74,8 +74,8 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *notice
 
 /* Append the record of an executed command, by one write and one sync. `words` is "key=value
  * key=value" or "". NULL is for a command that does not change the segmentation: its record has no
- * words, and is synced within a second, with the next record that has words, or by
- * journal_catch_up. On failure the journal is unchanged (J5). */
+ * words, and is synced with the next record that has words, by journal_catch_up or after a second,
+ * whichever is first. On failure the journal is unchanged (J5). */
 enum err journal_append(struct journal *journal, const char *command, const char *words,
                         struct fault *fault);
 

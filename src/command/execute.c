@@ -110,8 +110,9 @@ static enum err compare_forest(struct resume *resume, const struct record *recor
     return err;
 }
 
-/* Run a record again. In MODE_SKIM, compute nothing between `open` and the last record with words
- * about the forest. */
+/* Run a record again. In MODE_SKIM, once there is a scene, compute the forest only at the last
+ * record with words about it, and compare only these words; later records are executed in full,
+ * without comparison. */
 static enum err resume_record(void *context, const struct record *record, struct fault *fault)
 {
     struct resume *resume = context;
@@ -201,7 +202,7 @@ static enum err apply_edits(const struct interpreter *interp, struct session *se
     else
         buf_printf(&reply->text, "applied the %zu pending edits, as `run` does\n", interp->applied);
     enum err err = session_run(session, fault);
-    /* Count labels again, so that the changes that the command reports exclude these edits. */
+    /* Count labels again: the command reports only its own changes, not those of pending edits. */
     if (!err && interp->mode == MODE_LIVE)
         err = session_count_labels(session, fault);
     return err;
@@ -237,8 +238,8 @@ static enum err run_act(struct interpreter *interp, const struct call *call, str
         !session->now.outlook.runs_by_itself || interp->history.goes_to != POINT_NONE;
     if (!err && edits && !waits)
         err = session_run(session, fault);
-    if (!(command->flags &
-          COMMAND_RECORDED)) /* a question, whose record is a `run`, has no words */
+    /* A question has no record of its own; that of its `run` has only the digests added below. */
+    if (!(command->flags & COMMAND_RECORDED))
         buf_clear(&reply->words);
     if (!err && edits)
         add_digests(&reply->words, session);

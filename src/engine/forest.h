@@ -26,7 +26,7 @@
  * Terms, and their names in the literature
  *   seed         marker voxel of the image foresting transform; a seed is the root of its tree
  *   eliminator   deletion marker of the differential transform: it clears the tree of its voxel
- *   root         seed at the end of the chain of predecessors, P* in the literature
+ *   root         R(t), seed at the start of the path P*(t), the chain of predecessors of t
  *   offer        extend(key(s), w): key of the path to s, extended by the arc to a neighbour
  *   predecessor  P(t), neighbour of t whose offer became the key of t
  *   cost         C(t), the f_max cost of the best path: the largest weight on it
@@ -39,15 +39,17 @@
  *   outbox       offers of one worker for cells that another worker owns
  *
  * Invariants between calls
- *   T1 the keys solve the equation above; forest_check asserts it;
+ *   T1 the keys solve the equation above;
  *   T2 label and root of a voxel are those of its predecessor, to which cell.direction points; a
  *      seed is its own root;
  *   T3 the hops of a voxel are below 65535: an edit that would need more is rejected and undone;
- *   T4 both digests equal a recomputation over all voxels; forest_check asserts it.
+ *   T4 both digests equal a recomputation over all voxels.
+ *      forest_check checks T1 to T4.
  * Invariant during a pass
- *   T5 every key, except a seed's, is an offer of the predecessor, or the predecessor is queued; a
- *      voxel that may still receive a better offer than its key is queued and marked CELL_RAISED.
- *      So the inverse edit can undo an edit at any moment, without a copy of the former state.
+ *   T5 every key, except a seed's, is the offer of its predecessor, unless the predecessor is
+ *      queued; a voxel that has lost this offer and accepted another of the same level is queued
+ *      and marked CELL_RAISED, since a neighbour may offer a better key. So a pass can be stopped
+ *      at any moment, and its edit undone by the inverse edit, without a copy of the former state.
  */
 #ifndef ENGINE_FOREST_H
 #define ENGINE_FOREST_H
@@ -149,9 +151,10 @@ size_t forest_memory(const struct forest *forest); /* bytes, without the scene *
 
 /* ---- reaches of seeds ---- */
 
-/* Add a reach, and set *number to its number for edits; all exact reaches have the same one. The
- * number remains valid. ERR_MEMORY; ERR_LIMIT for more than 65535 reaches. The first reach reserves
- * two bytes of address space per cell, but memory is used only for pages that contain roots. */
+/* Add a reach, and set *number to the number for edit.reach. All exact reaches, those of seeds from
+ * which no tree grows, share one number. The number remains valid. ERR_MEMORY; ERR_LIMIT for more
+ * than 65535 reaches. The first reach reserves two bytes of address space per cell, but memory is
+ * used only for pages that contain roots. */
 enum err forest_add_reach(struct forest *forest, const struct reach *reach, uint16_t *number,
                           struct fault *fault);
 
@@ -165,8 +168,8 @@ uint16_t forest_reach_number(const struct forest *forest, uint32_t seed);
 /* True if a voxel is within the reach of the seed `root`, or the seed has no reach. */
 bool forest_may_hold(const struct forest *forest, uint32_t root, uint32_t cell);
 
-/* The least offer that neighbouring trees withhold from a voxel because it is beyond their reach;
- * KEY_NONE if there is no such offer. */
+/* The best offer (least key) that neighbouring trees would make to a voxel if it were not beyond
+ * their reach; KEY_NONE if there is no such offer. */
 uint64_t forest_refused_offer(const struct forest *forest, uint32_t cell);
 
 /* Number of seeds with a reach. */

@@ -3,14 +3,15 @@
  * The session: one user's work on one scene.
  *
  * The state (session/state.h) is one value with all data that a command can change. Weights, region
- * of interest, forest, border, tally and pictures are computed from it. Only session_go changes a
- * session: it sets a state and recomputes the data that differs. If arcs or region changed, it
- * recomputes the forest; otherwise it updates the forest by the difference of the two sets of
+ * of interest, forest, border, tally and pictures are computed from it. Only session_go goes to
+ * another state: it sets the state and recomputes the data that differs. If arcs or region changed,
+ * it recomputes the forest; otherwise it updates the forest by the difference of the two sets of
  * seeds. A command copies the present state, changes the copy, and passes it to session_go.
- * Rollback, undo, redo, goto and the end of skimming also set states in this way.
+ * Rollback, undo, redo and goto also set states in this way.
  *
- * Edits of seeds are pending until session_run applies them together. Since the forest depends only
- * on the set of seeds, it does not matter which run applies an edit.
+ * Functions that plant or erase only add markers and pending edits to the present state.
+ * session_run applies all pending edits together. Since the forest depends only on the set of
+ * seeds, it does not matter which run applies an edit.
  *
  * Invariants
  *   S1 a command is atomic: session_mark precedes it, and session_rollback restores the former
@@ -107,7 +108,7 @@ struct session {
 enum err session_new(struct session **session, struct fault *fault);
 void session_free(struct session *session);
 
-/* Reset a session to its initial state, except for its watch and session_let_wait. */
+/* Reset a session to its initial state; only its watch and the limit of session_let_wait remain. */
 void session_reset(struct session *session);
 
 /*
@@ -184,7 +185,8 @@ void session_set_pictures(struct session *session, struct pictures *pictures,
 
 /* Find the default intensities of black and white, the smaller first: the quantiles WINDOW_BLACK
  * and WINDOW_WHITE, in thousandths, of all intensities (engine/scene.h). White is below the
- * maximum, since only a few voxels, of vessels and fat, are brighter. Computed once. */
+ * maximum, so that a few bright voxels, of vessels and fat, do not darken all others. Computed
+ * once. */
 enum { WINDOW_BLACK = 10, WINDOW_WHITE = 995 };
 void session_find_window(struct session *session, int32_t window[2]);
 
@@ -201,7 +203,7 @@ void session_settle(struct session *session);
 /* The grid on which a command reads maps. */
 struct map_place session_map_place(const struct session *session, bool resample);
 
-/* ---- the only way to change a session ---- */
+/* ---- the only way to another state ---- */
 
 /* Set the state, which is borrowed, and apply `seeds` edits, which change the present set of seeds
  * into that of the state; the last edit of a voxel counts. ERR_LIMIT, without a change, for a view
@@ -234,8 +236,8 @@ enum err session_open(struct session *session, const char *path, const struct vo
 
 /* Interpolate each axis a for which bit a of `doubled` is set, from n to 2n - 1 voxels
  * (engine/scene.h). The angles and the size of the view do not change; the zoom is that of a new
- * scene of this size. ERR_USAGE after the first seed, planted or pending, and with a mask, a cut or
- * weights from a file, since these belong to the grid. On error, session_rollback restores the
+ * scene of this size. ERR_USAGE if there is a seed, planted or pending, or a mask, a cut or weights
+ * from a file, since all of these belong to the grid. On error, session_rollback restores the
  * former scene. */
 enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault);
 
@@ -268,15 +270,16 @@ enum err session_add_reach(struct session *session, const struct reach *reach, u
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        uint16_t reach, struct fault *fault);
 
-/* Make the last marker yield (session/markers.h): it is a piece of a segmentation. The runs are the
- * voxels of the piece; there are no runs if all of these are planted. */
+/* Make the last marker yield (session/markers.h): it is a piece of a segmentation. `run` has all
+ * voxels of the piece; pass no runs if all of its voxels are planted. */
 enum err session_yield(struct session *session, const struct marker_run *run, size_t runs,
                        struct fault *fault);
 
-/* Grow a tree from the seeds into voxels of `within` that have a label of the set `takes`, and no
- * others. `grown` gets the seeds that have such labels, and the voxels whose label changes. The
- * tree ends at seeds that users planted in such voxels, and at such voxels around `within`; the
- * session is unchanged. All lists are in the order of cells; the caller releases `grown`. */
+/* Compute the tree that would grow from the seeds into the voxels of `within` whose label is in
+ * `takes`; the session does not change. The tree ends at seeds of users in such voxels, and at
+ * voxels outside `within` with a label of `takes`, which act as seeds of their label. `grown`
+ * receives the voxels whose label would change, and the seeds in voxels with a label of `takes`.
+ * All lists are in the order of cells; the caller releases `grown`. */
 struct label_set;
 struct voxels;
 enum err session_grow_confined(const struct session *session, const struct label_set *takes,
@@ -314,8 +317,8 @@ enum err session_erase_seeds(struct session *session, const uint32_t *seed, size
                              struct fault *fault);
 
 /* The effect of an eliminator at a voxel: it removes the marker whose trees hold the voxel, or a
- * single tree. Voxels are counted from the roots of the trees, and at most HELD_MOST of them, so
- * that the time depends on the size of the trees and not on that of the scene. */
+ * single tree. Counting starts at the roots of the trees and stops after HELD_MOST voxels, so that
+ * the time depends on the size of the trees and not on that of the scene. */
 enum { HELD_MOST = 2000000 }; /* voxels counted, about 80 ms */
 
 struct held {
@@ -384,8 +387,10 @@ uint64_t session_finished_digest(const struct session *session);
 const uint8_t *session_finished(const struct session *session);
 uint64_t session_finish_source(const struct session *session);
 
-/* The next step of a new session. Seeds of one object alone label all of the scene: they need a
- * sphere of background around it. The object with the first background is outlined next. */
+/* Propose the next step of a new session. PROPOSE_SPHERE if one object has seeds and the background
+ * has none: its label fills the scene, so a sphere of background should enclose it.
+ * PROPOSE_OUTLINE if there is one marker of an object and one of the background. Otherwise, and
+ * with an eraser or pieces of a segmentation, PROPOSE_NOTHING. */
 enum proposal { PROPOSE_NOTHING, PROPOSE_SPHERE, PROPOSE_OUTLINE };
 enum proposal session_find_proposal(const struct session *session);
 
@@ -407,16 +412,17 @@ enum err session_find_hints(struct session *session, const struct hint_list **hi
 enum err session_set_weight_map(struct session *session, const char *name, const uint16_t *weight,
                                 struct fault *fault);
 
-/* Set the two parts of the region of interest, mask and range; NULL for none. ERR_INPUT, without a
- * change, if no voxel would be inside or if a planted or pending seed would be outside. `rest`: the
- * regions that the mask excludes and that maps of labels keep, [z][y][x], or NULL. */
+/* Set the two parts of the region of interest, mask and range; NULL removes one. ERR_INPUT, without
+ * a change, if no voxel would be inside or if a planted or pending seed would be outside. `rest`:
+ * the regions that the mask excludes and that maps of labels keep, [z][y][x], or NULL. */
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
                           const uint32_t regions[2], const uint16_t *rest, struct fault *fault);
-
-/* Take out these regions, an array that the caller frees, also on error; NULL for none. */
-enum err session_take_rest(const struct session *session, uint16_t **rest, struct fault *fault);
 enum err session_set_range(struct session *session, const struct decimal range[2],
                            struct fault *fault);
+
+/* Unpack the regions `rest` of session_set_mask into a new array *rest, which the caller frees,
+ * also on error; NULL if it has no region. ERR_MEMORY, ERR_CANCELLED. */
+enum err session_take_rest(const struct session *session, uint16_t **rest, struct fault *fault);
 
 enum err session_set_view(struct session *session, const struct view *view, struct fault *fault);
 
