@@ -80,7 +80,7 @@ same "$(acks | tr '\n' ';')" "open s.nii weight=morph;quit;"
 begin "exit statuses"
 expect_out "iftty run FILE|-" 0 "$iftty" --help
 expect 0 "$iftty" -V
-same "$(sed -n 2p out)" "semantics $("$iftty" info | sed -n 's/^semantics //p') of journals"
+same "$(sed -n 2p out)" "journal semantics $("$iftty" info | sed -n 's/^semantics //p')"
 for library in OpenEXR zlib libdeflate nettle; do
     grep -qE "(^|, )$library [0-9]+[.][0-9]+" out || fail "no $library: $(cat out)"
 done
@@ -160,7 +160,7 @@ expect_err "there is no command or program verfy; did you mean verify?" 2 "$iftt
 
 begin "--version names libraries, also those of the helpers, and each helper that is missing"
 expect 0 "$iftty" --version </dev/null
-for line in 'iftty [0-9.]*' 'semantics [0-9]* of journals' \
+for line in 'iftty [0-9.]*' 'journal semantics [0-9]*' \
     'OpenEXR [0-9.]*, zlib [0-9.]*, libdeflate [0-9.]*, nettle [0-9.]*' \
     'iftty-image: OpenImageIO [0-9.]*, OpenEXR [0-9.]*' \
     'iftty-volume: ITK [0-9.]*, GDCM [0-9.]*, HDF5 [0-9.]*, libtiff [0-9.]*, expat [0-9.]*, '\

@@ -22,8 +22,9 @@
 #define FINISH_NOTE(kind, name, by, takes, usual, heeds, help) help
 #define FINISH_NOTES                                           FINISH_LIST(FINISH_NOTE, FINISH_NOTE)
 #define WEIGHT_DETAIL                                                                              \
-    "Under each gradient, an intensity edge of height h has the weight h. Lengths are in voxels "  \
-    "and ignore the spacing.\n" WEIGHT_NOTES "FILE: a map on the scene's grid, with the weight "   \
+    "With each of these methods, an intensity edge of height h has the weight h (polarity: if "    \
+    "PERCENT is 0). Lengths are in voxels and ignore the spacing.\n" WEIGHT_NOTES                  \
+    "FILE: a map on the scene's grid, with the weight "                                            \
     "of each voxel as an integer 0..65535." MAP_NOTE
 #define OPENING_NOTE                                                                               \
     "series: select a DICOM series of a folder by its number, from 1, or a part of its "           \
@@ -32,16 +33,17 @@
     "data: the name of the data set in an HDF5 file.\n"                                            \
     "missing: blank inserts a blank slice for each missing slice of a DICOM series.\n"             \
     "skip: do not read these files of a folder, as in skip=IM0004,IM0007.\n"                       \
-    "size, type, endian, offset: describe raw:FILE by its size in voxels, x fastest, the type "    \
-    "and byte order of a voxel, and the number of bytes before the first voxel.\n"                 \
+    "size, type, endian, offset: describe raw:FILE, voxels without a header, x fastest, as in "    \
+    "`open raw:skull.raw size=512,512,400 type=int16`. endian is the byte order, by default "      \
+    "little; offset is the number of bytes before the first voxel, by default 0.\n"                \
     "spacing: X,Y,Z in mm, for a file without spacing.\n"                                          \
-    "private: yes omits the file names of scene and journal from pictures. Pictures never "        \
-    "contain names of folders.\n"                                                                  \
+    "private: yes omits the file names of scene and journal from pictures. Folders are never "     \
+    "named in pictures.\n"                                                                         \
     "straighten: yes shifts the sheared slices of a tilted gantry in their planes, so that axes "  \
     "are perpendicular. It is applied after crop and reduce.\n"                                    \
     "weight: the initial arc weights, as in weight=gauss:1.5 (`help weight`); the default is "     \
     "morph. Records contain the weight even if it was not given."
-#define VOLUME_SERIES_NOTE "volume: the number of a volume in a 4-D file, from 0.\n"
+#define VOLUME_SERIES_NOTE "volume: select a volume of a 4-D file, from 0; required there.\n"
 #define PART_NOTE                                                                                  \
     "crop: load only a box, from the first to the last voxel along x, y and z, as in "             \
     "0-99,40-159,0-79. Memory is allocated only for the box, and its first voxel is 0,0,0.\n"      \
@@ -52,8 +54,7 @@
     "synth:geom is a synthetic scene of 200x200x100 voxels. XYZ are three digits, 1 or 2, as in "  \
     "synth:geom:221; a 2 interpolates the n voxels of an axis to 2n-1. SIZE is the size of a "     \
     "scene with the same solids, as in synth:geom:1024x1024x1024. The memory for a large scene "   \
-    "is reported before it is loaded; a scene that does not fit into the free memory is "          \
-    "rejected."
+    "is reported before it is loaded; a scene that does not fit is rejected."
 
 enum { PLANE_OFFSET_MOST = 1000000 }; /* thousandths of a millimetre */
 enum { VOLUMES_MOST = 65535 };
@@ -85,11 +86,9 @@ enum { VOLUMES_MOST = 65535 };
 #define OVER  KEYED("over", VALUE_LABELS), KEYED("keep", VALUE_LABELS)
 #define EXACT KEYED("within", VALUE_NUMBER, .most = 0, .form = "0"), OVER
 #define EXACT_NOTE                                                                                 \
-    "\nwithin=0: exact: these voxels get the label, and nothing grows from them."                  \
-    "\nover, keep: with within=0, only voxels whose label now is in the list, or is not: "         \
-    "numbers, "                                                                                    \
-    "ranges or names, as in 0,3-7,spleen, before `finish`. A marker keeps these voxels when an "   \
-    "earlier one is removed."
+    "\nwithin=0: exact: these voxels get the label, and nothing grows from them.\n"                \
+    "over, keep: with within=0, change only voxels whose label, before `finish`, is in over=, or " \
+    "not in keep=, as in over=0,3-7,spleen. Later edits do not change this choice."
 
 /* Parameters of shells. */
 #define HOLLOW                                                                                     \
@@ -167,9 +166,8 @@ static const struct command command_table[] = {
       NEED("Z", VALUE_NUMBER, .least = 1, .most = 2)},
      "interpolate axes from n to 2n-1 voxels",
      "X, Y and Z are 2 for an axis to interpolate, otherwise 1. A new voxel is the mean of its two "
-     "neighbours, with halves rounded up. The spacing is halved, and voxel 0,0,0 keeps its place "
-     "in the world. Not allowed after the first seed, or with a mask, a cut or weights from a "
-     "file.",
+     "neighbours, rounded up. The spacing is halved, and voxel 0,0,0 keeps its place in the world. "
+     "Not allowed after the first seed, or with a mask, a cut or weights from a file.",
      "interpolate 2 2 1"},
     {COMMAND("orient", act_orient, GROUP_SCENE, R | S),
      {NEED("HOW", VALUE_WORD, .is_kept = true, .choices = "file|sform|qform")},
@@ -186,8 +184,7 @@ static const struct command command_table[] = {
      "set an anatomical landmark of the scene",
      "A landmark is a place that exists in all subjects, such as the anterior commissure. `iftty "
      "apply --by landmarks` transfers a procedure between two scenes by the landmarks that both "
-     "have. PLACE is a voxel; `none` removes the landmark. A scene has up to 64 landmarks; `info` "
-     "lists them.",
+     "have. X,Y,Z is a voxel; `none` removes it. A scene has up to 64; `info` lists them.",
      "landmark AC 90,128,72"},
     {COMMAND("origin", act_origin, GROUP_SCENE, R | S),
      {NEED("PROCEDURE", VALUE_WORD, .is_kept = true),
@@ -230,8 +227,8 @@ static const struct command command_table[] = {
      "prefer edges to darker or to brighter voxels",
      "Under `weight polarity`, paths from the seeds of the label pay PERCENT more for a step to a "
      "darker voxel and PERCENT less for a step to a brighter voxel. Use a positive number for an "
-     "object brighter than its surroundings, and a negative one for a darker object. The default "
-     "is 0.",
+     "object brighter than its surroundings, and a negative one for a darker object. PERCENT is "
+     "-100..100, by default 0.",
      "polarity 1 50"},
     {CALLED("mask", "roi", act_mask, GROUP_WEIGHT, R | S | E),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "none"),
@@ -255,9 +252,9 @@ static const struct command command_table[] = {
       KEYED("number", VALUE_NUMBER, .least = 1, .most = UINT32_MAX, .form = "N")},
      "set the name and colour of a label",
      "Label 0 is the background. Quote a name of several words, as in \"left hemi\".\n"
-     "LABEL may be a new number up to 4294967295; at most 255 labels exist at a time. After the "
-     "first number above 255, here or in a file of `labels`, a number exists only if it is "
-     "planted, has a name, or came with a file; other commands reject further ones.\n"
+     "LABEL may be a new number up to 4294967295; at most 255 labels exist at a time. Once a "
+     "session has a label above 255, made here or read by `labels`, other commands accept only "
+     "labels that exist: make a new one by `label` first.\n"
      "number: give the label another number.",
      "label 2 cerebellum #40c060"},
     {COMMAND("label-file", act_label_file, GROUP_SEEDS, R),
@@ -276,24 +273,27 @@ static const struct command command_table[] = {
       KEYED("to", VALUE_LINE), KEYED("joined", VALUE_CHOICE, .choices = "yes"), HOLLOW,
       KEYED("through", VALUE_POSITION), KEYED("within", VALUE_RADIUS, .most = REACH_MOST), OVER},
      "plant a seed, a ball of seeds, or a stroke",
-     "Replaces the seeds that voxels already have.\n"
-     "radius: in voxels, or in millimetres as in 2.5mm. A ball in millimetres is round in the "
-     "world, for any spacing." WITHIN_NOTE "\n"
-     "to: plant a stroke, a ball at each step of the line from PLACE to this corner. Repeat to= "
+     "Replaces seeds that these voxels already have.\n"
+     "radius: in voxels, or in millimetres as in 2.5mm; the default is 0, one voxel. The most is "
+     "128 voxels, or 512 with shell=yes. A ball in millimetres is round, for any "
+     "spacing." WITHIN_NOTE
+     "\nto: plant a stroke, a ball at each step of the line from X,Y,Z to this corner. Repeat to= "
      "for further corners.\n"
      "joined=yes: continue the stroke of the previous command, with the same label, as one marker "
      "and one undo step. Use it for a stroke that is too long for one line of the journal.\n"
      "shell=yes: plant only the shell of the ball, the voxels with a neighbour outside it, to "
      "enclose objects. Voxels of other objects are left out. The enclosed objects are `around` and "
-     "each object whose seeds are all inside, so that a sphere around touching objects is the same "
-     "before and after their balls.\n"
-     "around: the label of an enclosed object; the default is the label in the middle of the "
-     "shell.\n"
+     "each object whose seeds are all inside: the shell is the same if it is planted before the "
+     "balls in these objects or after them.\n"
+     "around: the label of an enclosed object, by default the label in the middle of the shell.\n"
      "through: a voxel on the shell, instead of `radius`.\n"
-     "within: the reach of the ball's trees: they do not grow beyond this distance from PLACE, in "
+     "within: the reach of the ball's trees: they do not grow beyond this distance from X,Y,Z, in "
      "voxels or millimetres, so that a correction changes nothing farther away. A good value is "
      "three times the depth of the error. A voxel that is beyond the reach of all trees around it "
-     "has label 0; `info` prints the number of such voxels." EXACT_NOTE,
+     "has label 0; `info` prints the number of such voxels." EXACT_NOTE
+     "\nA ball with over or keep, but without within=0, grows if radius or `within` is given: its "
+     "tree changes only voxels of these labels, up to `within`, by default three times the radius, "
+     "but at least 2 voxels and at most 10 beyond the ball.",
      "seed 100,100,50 1 radius=2"},
     {COMMAND("box", act_box, GROUP_SEEDS, R | S | E | P),
      {NEED("CORNER", VALUE_POSITION), NEED("OPPOSITE", VALUE_POSITION),
@@ -301,15 +301,15 @@ static const struct command command_table[] = {
      "plant a box, or a rectangle in a slice",
      "The box has these two corners, both included." WITHIN_NOTE "\n"
      "shell=yes: plant only the six faces of the box, as in `seed`.\n"
-     "around: the label of an enclosed object; the default is the label in the middle of the "
+     "around: the label of an enclosed object, by default the label in the middle of the "
      "shell." EXACT_NOTE,
      "box 80,90,50 120,110,50 2"},
     {COMMAND("fill", act_fill, GROUP_SEEDS, R | S | E | P),
      {NEED("PLACE", VALUE_POSITION), NEED("LABEL", VALUE_LABEL, .most = 255), WITHIN,
       NEED("to", VALUE_LINE, .keyed = true), EXACT},
      "plant the inside of a polygon in a slice",
-     "The corners are PLACE and each `to`, all in one slice. Plants the voxels whose centre is "
-     "inside the polygon, by the nonzero winding rule, or on its outline." WITHIN_NOTE
+     "The corners are the first X,Y,Z and each `to`, all in one slice. Plants the voxels whose "
+     "centre is inside the polygon, by the nonzero winding rule, or on its outline." WITHIN_NOTE
      "\nto: a further corner; there are at least two." EXACT_NOTE,
      "fill 80,90,50 2 to=120,90,50 to=100,110,50"},
     {COMMAND("outline", act_outline, GROUP_SEEDS, R | S | E | P),
@@ -318,11 +318,11 @@ static const struct command command_table[] = {
       KEYED("instead", VALUE_NUMBER, .least = 1, .most = UINT32_MAX, .form = "N"), EXACT},
      "outline an object in a slice, with background",
      "Fills a polygon as `fill` does, and plants a ring of background around it in the same slice. "
-     "Polygon and ring are one marker. Voxels of other objects are left out of the "
-     "ring." WITHIN_NOTE " It does not apply to the ring.\n"
+     "Polygon and ring are one marker. The ring leaves out voxels of other objects." WITHIN_NOTE
+     " It does not apply to the ring.\n"
      "to: a further corner; there are at least two, and at most about 3000.\n"
-     "ring: the width of the ring in voxels, from centre to centre; the default is 3, and 0 with "
-     "within=0. 0 plants no ring; a polygon of background allows only 0.\n"
+     "ring: the width of the ring in voxels; ring=0 plants none. The default is 3, or 0 with "
+     "within=0. A polygon of background has no ring, nor has one with over or keep.\n"
      "instead: remove this marker in the same undo step; N is the number after `marker=` in its "
      "record. The pilot replaces an outline in this way when it is dragged." EXACT_NOTE,
      "outline 80,90,50 2 to=120,90,50 to=100,110,50"},
@@ -332,15 +332,14 @@ static const struct command command_table[] = {
       KEYED("over", VALUE_LABELS, .added = true), KEYED("keep", VALUE_LABELS)},
      "fill an object in the slices between outlines",
      "Outlines are exact gestures of the label in slices of one plane: `outline` and `fill` with "
-     "within=0, or `seed-file` with within=0 of a map that has some slices only. In every slice "
-     "between two outlined ones, however far apart, the border is interpolated by its distances; "
-     "sections that overlap by less than half are moved towards each other first. Nothing is "
-     "planted before the first and after the last outline. The voxels are one exact marker: "
-     "`remove` it before `between` is repeated with other outlines. Voxels of an outline that a "
-     "later marker covers do not count, and neither do single lines.\n"
-     "plane: the plane of the outlines, if there are some in several.\n"
-     "over, keep: fill only voxels whose label now is in the list, or is not, as in `outline`; "
-     "over=0, the background, unless given, and added to the record.",
+     "within=0, or `seed-file` with within=0 and a map that has the label in some slices only. In "
+     "every slice between two outlined ones, however far apart, the border is interpolated by its "
+     "distances; sections that overlap by less than half are moved towards each other first. "
+     "Nothing is planted before the first and after the last outline. The voxels are one exact "
+     "marker: `remove` it before `between` is repeated with other outlines. Voxels of an outline "
+     "that a later marker covers are ignored, and so are outlines that are only a line.\n"
+     "plane: the plane of the outlines, required if they are in several planes.\n"
+     "over, keep: as in `outline`. The default, over=0, is added to the record.",
      "between 2"},
     {COMMAND("seed-file", act_seed_file, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("label", VALUE_LABEL, .most = 255), WITHIN,
@@ -351,12 +350,12 @@ static const struct command command_table[] = {
      "plant the seeds of a .csv list or a label map",
      "A list has lines x,y,z,label: the indices of a voxel, and the number or name of a label. A "
      "label map is on the scene's grid. Each region of it, the voxels of one value, becomes seeds "
-     "of the label with this number, or of `label`." WITHIN_NOTE "\n"
-     "regions: plant only these values of the map, as in 1-90,2001; the default is 1 and above.\n"
+     "of the label with this number, or of `label`." WITHIN_NOTE
+     "\nregions: plant only these values of the map, as in 1-90,2001; the default is 1 and above.\n"
      "as: the labels of `regions`, one for each, as in regions=2001,2002 as=1,2. Use it for "
      "atlases whose values are not labels.\n"
-     "erode: the number of erosions of each region; each removes the voxels with a face neighbour "
-     "outside.\n"
+     "erode: the number of erosions of each region; the default is 0. An erosion removes the "
+     "voxels with a face neighbour outside the region.\n"
      "each: plant this number of voxels of each region, drawn at random after erosion; the default "
      "is all.\n"
      "generator: the start value of the random generator; the default is 1." MAP_NOTE EXACT_NOTE,
@@ -374,9 +373,10 @@ static const struct command command_table[] = {
      "FILE is a label map of any program, on the scene's grid. Its labels are reproduced exactly. "
      "Each connected piece of a label or of the background becomes a marker, all in one undo step. "
      "The outer voxels of a piece are planted as its seeds. To correct a piece, plant a seed, "
-     "stroke, box or polygon of another label in it: the seeds of the piece within three times the "
-     "radius, or within the distance `within`, are removed, and the border is recomputed there. "
-     "The rest of the piece does not change.\n"
+     "stroke, box or polygon of another label in it: nearby seeds of the piece are removed, and "
+     "the border is recomputed there. Nearby is up to `within`, by default three times the radius "
+     "(of a box: half its thinnest side), but at least 2 voxels and at most 10 beyond the planted "
+     "ones. The rest of the piece does not change.\n"
      "here: use the present labels instead of a file, as if they had been saved and read, for "
      "exact corrections of objects that were grown. finished=yes: use the labels after `finish`; "
      "the default at a prompt is to use the labels on the screen.\n"
@@ -387,16 +387,16 @@ static const struct command command_table[] = {
      "up to 4294967295; at most 255 labels exist at a time. A value is rejected if other commands "
      "have planted a label of this number.\n"
      "label: use this label for all regions except the background.\n"
-     "erode: the number of erosions of each piece; the default is 0. Each removes the voxels with "
-     "a face neighbour of another label, so that borders are recomputed there. A piece that would "
-     "vanish keeps its innermost voxels.\n"
+     "erode: the number of erosions of each piece; the default is 0. An erosion removes the voxels "
+     "with a face neighbour of another label, so that borders are recomputed there. A piece that "
+     "would vanish keeps its innermost voxels.\n"
      "copy: the digest of the copy of FILE next to the journal, which a replay reads instead of "
      "FILE. iftty adds it to the record.\n"
      "numbers: the values, if some of them exceed 255. iftty adds them to the record.\n"
      "least: do not plant pieces of fewer voxels; the surrounding trees grow into them.\n"
-     "rest: background plants background outside `regions`; none leaves these voxels to the "
-     "surrounding trees; keep excludes them from the region of interest, and `save labels` writes "
-     "their values back, to correct some of many objects.\n"
+     "rest: the treatment of voxels outside `regions`. background, the default: plant background. "
+     "none: leave them to the surrounding trees. keep: exclude them from the region of interest; "
+     "`save labels` writes their values back. Use keep to correct some of many objects.\n"
      "resample=yes with a map of a part of the scene, such as a corrected crop: voxels outside the "
      "part keep their labels; without labels they are background." MAP_NOTE,
      "labels model.nii.gz erode=3"},
@@ -404,9 +404,9 @@ static const struct command command_table[] = {
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
       NEED("RANGE", VALUE_INTERVAL), KEYED("from", VALUE_POSITION), EXACT},
      "plant the connected voxels within a range",
-     "Plants, as one marker, the voxels whose intensity, as printed by `why`, is in RANGE, and "
-     "that a path of such voxels, from face to face, connects to a seed of the label. Voxels with "
-     "seeds of other labels are left out and interrupt the connection, so that a stroke of "
+     "Plants, as one marker, the voxels whose intensity, as printed by `why`, is from LOW to HIGH, "
+     "and that a path of such voxels, from face to face, connects to a seed of the label. Voxels "
+     "with seeds of other labels are left out and interrupt the connection, so that a stroke of "
      "background cuts off a leak. Each object may have its own range. Its trees grow beyond the "
      "range, until they meet trees of other labels.\n"
      "from: start from this voxel instead of the label's seeds." EXACT_NOTE,
@@ -420,7 +420,8 @@ static const struct command command_table[] = {
      "contained it after the last run.\n"
      "of=tree: remove only the seed of the tree that contains the voxel, without restoring an "
      "older one.\n"
-     "radius: remove all markers, or trees, with a voxel in this ball.",
+     "radius: remove all markers, or trees, with a voxel in this ball, in voxels or millimetres; "
+     "the default is the voxel alone.",
      "remove 100,100,50"},
     {COMMAND("run", act_run, GROUP_SEEDS, R | S | E | P),
      {KEYED("for", VALUE_COMMAND, .form = "QUESTION")},
@@ -429,8 +430,8 @@ static const struct command command_table[] = {
      "labels apply them first: `render`, `spin`, `slice`, `mosaic`, `golden`, `save`, `stats`, "
      "`compare`, `hints`, `why` and `profile`. `pick`, `hint` and `zoom fit` use the last picture, "
      "and report pending edits.\n"
-     "for: the question that applied the edits. iftty adds it, since questions have no record of "
-     "their own.",
+     "for: the command that needed the labels, such as `stats`. iftty adds it, since commands that "
+     "only print have no record of their own.",
      "run"},
     {COMMAND("undo", act_undo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
@@ -439,10 +440,10 @@ static const struct command command_table[] = {
      "of interest, labels, `hide`, `show`, cuts and the finish, but not the view. Undo is exact "
      "and reaches back to `open`, also into earlier sessions. It is recorded. `redo` reverts it, "
      "and `history` lists the commands.\n"
-     "iftty warns after an edit by which a label loses more than 500 voxels, and another label "
-     "grows by more than 1 % of its volume for each seed of the edit. The warning names the edge "
-     "through which that label grew. There is no warning if its new voxels are as bright as the "
-     "old ones, and at most 3/2 as many per seed as before.",
+     "iftty warns after an edit of n seeds if a label loses more than 500 voxels, and more than n "
+     "% of the former volume of the label that gains most. The warning names the edge through "
+     "which that label grew. There is no warning if the gained voxels are as bright as the former "
+     "ones, and each seed gains less than 3/2 of the mean number of voxels of a former seed.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},
@@ -453,7 +454,7 @@ static const struct command command_table[] = {
      {NEED("PLACE", VALUE_POINT)},
      "restore the segmentation of a record or a branch",
      "PLACE is the number of a record, which `history` and `iftty log` print, or the name of a "
-     "branch, for its last record. The first branch is called main.",
+     "branch, which means its last record. The first branch is called main.",
      "goto main"},
     {COMMAND("branch", act_branch, GROUP_SEEDS, R | S),
      {NEED("NAME", VALUE_WORD, .is_kept = true)},
@@ -487,8 +488,8 @@ static const struct command command_table[] = {
            .most = VIEW_ZOOM_MOST),
       KEYED("at", VALUE_POSITION)},
      "set the zoom in pixels per voxel, or fit objects",
-     "FACTOR is the number of pixels of a voxel along an axis of the smallest spacing; along other "
-     "axes a voxel has more pixels.\n"
+     "FACTOR, 0.01..64, is the number of pixels of a voxel along an axis of the smallest spacing; "
+     "along other axes a voxel has more pixels.\n"
      "fit: fill the picture with the shown objects, or with the scene if there are no objects, at "
      "the present angles. The record contains the resulting zoom and centre.\n"
      "at: move this voxel to the centre.",
@@ -503,7 +504,8 @@ static const struct command command_table[] = {
     {COMMAND("focus", act_focus, GROUP_VIEW, R | S),
      {NEED("PLACE", VALUE_POSITION, .choices = "scene")},
      "set the place in the centre of the picture",
-     "PLACE is a voxel, or `scene` for the centre of the scene. The view turns around this place.",
+     "X,Y,Z is a voxel; `scene`, the default, is the centre of the scene. The view turns around "
+     "this place.",
      "focus 100,100,50"},
     {COMMAND("hide", act_hide, GROUP_VIEW, R | S),
      {NEED("LABEL", VALUE_LABEL, .choices = "all", .least = 1, .most = 255)},
@@ -532,8 +534,8 @@ static const struct command command_table[] = {
       MAY("SLICES", VALUE_RANGE, .most = 65533)},
      "show only the slices from A to B",
      "Slices are numbered by the index of their voxels along the axis, as in X,Y,Z and `slice`. A "
-     "and B are included. Each PLANE has its own range; `none` shows all slices again. Pictures "
-     "and `save border` change, but labels do not.",
+     "and B are included. Axial, coronal and sagittal slices have a range each; `none` shows all "
+     "slices again. Pictures and `save border` change, but labels do not.",
      "clip axial 40-120"},
     {COMMAND("plane", act_plane, GROUP_CUTS, R | S),
      {NEED("PLACE", VALUE_POSITION, .choices = "none"),
@@ -564,9 +566,10 @@ static const struct command command_table[] = {
      "other formats of OpenImageIO have only colours. At the prompt, files are written in the "
      "background, and a line reports when a file is complete. `iftty info FILE` prints the notes "
      "in a picture.\n"
-     "mode: the algorithm; all draw the same pixels. sp draws the surface in the order of the "
-     "scene, bp from front to back without hidden voxels, and ray along the ray of each pixel; ii "
-     "updates only the outdated pixels of the last rendition." SHOWN_NOTE,
+     "mode: the algorithm, to compare their times; all draw the same pixels. sp (scene projection) "
+     "draws the surface in the order of the scene, bp (border projection) from front to back "
+     "without hidden voxels, and ray along the ray of each pixel. ii (incremental image), the "
+     "default after a rendition, redraws its outdated pixels." SHOWN_NOTE,
      "render brain.png"},
     {CALLED("spin", "turntable|movie|animate", act_spin, GROUP_RENDITION, R | S | E | A),
      {NEED("N", VALUE_NUMBER, .least = 2, .most = IMAGE_FRAMES_MOST), NEED("FILE", VALUE_FILE),
@@ -574,9 +577,9 @@ static const struct command command_table[] = {
       YES_NO("fit"), KEYED("delay", VALUE_NUMBER, .least = 20, .most = 60000), YES_NO("replace"),
       FINISHED},
      "write a turntable: N pictures of one full turn",
-     "The first picture shows the present view, which does not change. %03d in FILE is replaced by "
-     "the number of the picture, here with three digits, from 000. Without %d, FILE is an animated "
-     ".gif of 256 colours, or a .tif with one page for each picture.\n"
+     "N is 2..1000. The first picture shows the present view, which does not change. %03d in FILE "
+     "is replaced by the number of the picture, here with three digits, from 000. Without %d, FILE "
+     "is an animated .gif of 256 colours, or a .tif with one page for each picture.\n"
      "axis: yaw, the default, turns around the patient, pitch over the head, and roll turns the "
      "picture, in the directions of `view`. For several axes, each has a turn of N pictures that "
      "begins with the present view; the numbers of the pictures continue.\n"
@@ -605,9 +608,9 @@ static const struct command command_table[] = {
            .most = SLICE_TIMES_MOST),
       KEYED("at", VALUE_POSITION)},
      "set the magnification of slices",
-     "TIMES enlarges slices around the cross-hair, relative to the size at which a whole slice "
-     "fits; fit shows whole slices. Applies to slices and mosaics until the next `magnify` or "
-     "`slice zoom=`.\n"
+     "TIMES, 1..4096, enlarges slices around the cross-hair, relative to the size at which a whole "
+     "slice fits; fit, the default, shows whole slices. Applies to slices and mosaics until the "
+     "next `magnify` or `slice zoom=`.\n"
      "at: the voxel in the middle, as long as the cross-hair remains visible.\n"
      "Voxels of at least four pixels are drawn as squares; smaller ones are interpolated.",
      "magnify 2.5 at=90,108,90"},
@@ -648,14 +651,14 @@ static const struct command command_table[] = {
       KEYED("reach", VALUE_NUMBER, .least = 1, .most = FINISH_BAND_MOST),
       KEYED("label", VALUE_LABEL, .least = 1, .most = 255)},
      "smooth and clean labels in files and pictures",
-     "Adds a step to a list of steps, which together make the finished labels; without STEP, "
+     "Adds a step to a list of steps, which together make the finished labels; without a step, "
      "prints the list. The segmentation itself does not change, and seeds can be planted at any "
      "time. `relax` keeps voxels that have a seed; the other steps can change these too, also "
-     "those "
-     "of exact gestures. `save` and `stats` with finished=yes report labels that the steps delete, "
-     "reduce to "
-     "less than half or break into more pieces.\n" FINISH_NOTES "none: remove all steps.\n"
+     "those of exact gestures. `save` and `stats` with finished=yes report labels that the steps "
+     "delete, reduce to less than half or break into more pieces.\n" FINISH_NOTES
+     "none: remove all steps.\n"
      "radius: in voxels, or in millimetres as in 2.5mm; the default is 1 voxel.\n"
+     "voxels: the size of the smallest piece that components keeps; required there.\n"
      "sweeps: the number of iterations of relax; the default is 60.\n"
      "reach: the largest distance by which relax moves a border, in voxels; the default is 2. "
      "Larger values, up to 16, correct coarser errors, but can remove an object of low contrast.\n"
@@ -673,8 +676,8 @@ static const struct command command_table[] = {
      "labels: uint8, or uint16 or uint32 if labels have numbers above 255. A voxel that no seed "
      "reaches is 0; the answer has the number of such voxels.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
-     "root: uint32, the voxel index of the seed; 4294967295 where no seed reaches. Not as .mgh or "
-     ".mgz.\n"
+     "root: uint32, the index of the seed's voxel, x + NX (y + NY z) in a scene of NX x NY x NZ "
+     "voxels; 4294967295 where no seed reaches. Not as .mgh or .mgz.\n"
      "border: uint8, 1 in border voxels of shown objects.\n"
      "distance: uint16, the plateau distance: steps along the path since its cost last rose; 65535 "
      "where no seed reaches.\n"
@@ -689,8 +692,8 @@ static const struct command command_table[] = {
      "millimetres of the world. It is closed, and encloses the volume of the voxels. A .stl "
      "contains all labels as one object.\n"
      "label: write the surface of this label only.\n"
-     "smooth=0: write the faces of voxels, as drawn by `shade cubes`; other numbers have no "
-     "effect.\n"
+     "smooth=0: write the faces of voxels, as drawn by `shade cubes`. Any other number writes the "
+     "smooth surface, as by default.\n"
      "triangles: reduce the surfaces to at most this number of triangles, as far as they remain "
      "closed. Reduced surfaces of touching labels do not share points.\n"
      "empty=yes: write a map of labels even if no voxel has a label." FINISHED_NOTE,
@@ -729,14 +732,14 @@ static const struct command command_table[] = {
      "rendition; `of` selects a slice or the mosaic, as it would be drawn now, instead.\n"
      "Prints the position of the voxel, in voxels and millimetres, its intensity, its label and "
      "seed, and its distance from the border of its object: from the nearest voxel of its label "
-     "with a face on another label, also a hidden one, or on the boundary of the scene. The search "
-     "ends at 100 mm or 100 voxels.",
+     "with a face on another label, shown or hidden, or on the boundary of the scene. The search "
+     "ends at 100 mm, or at 100 voxels along an axis, whichever is nearer.",
      "pick 256 256"},
     {CALLED("measure", "distance|ruler|length", act_measure, GROUP_QUESTIONS, S),
      {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION), MAY("THIRD", VALUE_POSITION)},
      "measure a distance, or an angle, between voxels",
-     "Measures between the centres of voxels, in millimetres and in voxels. With THIRD, also "
-     "measures the angle at OTHER.",
+     "Measures between the centres of voxels, in millimetres and in voxels. With a third voxel, "
+     "also measures the angle at the second one.",
      "measure 10,20,30 40,20,30"},
     {COMMAND("profile", act_profile, GROUP_QUESTIONS, S | A),
      {NEED("PLACE", VALUE_POSITION), NEED("OTHER", VALUE_POSITION), YES_NO("values")},
@@ -756,9 +759,9 @@ static const struct command command_table[] = {
      {MAY("COUNT", VALUE_NUMBER, .choices = "slice", .least = 1, .most = HINTS_MOST),
       KEYED("label", VALUE_LABEL, .most = 255), KEYED("report", VALUE_FILE), YES_NO("replace")},
      "list the least certain places on borders",
-     "Prints COUNT places, by default 10. For each, prints its size, the cost of its least certain "
-     "voxel, the neighbouring label with its cost there, the edge between the two labels, and the "
-     "strongest edge on the path to the voxel.\n"
+     "Prints COUNT places, 1..999, by default 10. For each, prints its size, the cost of its least "
+     "certain voxel, the neighbouring label with its cost there, the edge between the two labels, "
+     "and the strongest edge on the path to the voxel.\n"
      "The certainty of a border voxel is the additional cost of the other label, plus the height "
      "of the edge, minus the cost of the voxel's path three steps before. The least certain tenth "
      "of the border is weak. A place is a connected weak part within a cube of 16 voxels a side; "
@@ -784,13 +787,12 @@ static const struct command command_table[] = {
             S | A),
      {KEYED("report", VALUE_FILE), YES_NO("replace"), FINISHED},
      "measure size, surface and intensities of labels",
-     "For each label, prints its seeds, voxels and volume; its components, connected by faces, and "
-     "enclosed holes; the area of its smooth surface, with an error below 2 % unless the object is "
-     "small or thin; its centre and bounding box; the intensities of its voxels, as printed by "
-     "`why`; and the voxels gained and lost by the last edit. The standard deviation is that of a "
-     "sample (n - 1).\n"
-     "Labels that have a name, or that the finish deletes, are listed even if they have no "
-     "voxels.\n"
+     "For each label, prints its seeds, voxels and volume in ml; its components, connected by "
+     "faces, and enclosed holes; the area of its smooth surface in mm2, with an error below 2 % "
+     "unless the object is small or thin; its centre in voxels and world mm, and its bounding box; "
+     "the intensities of its voxels, as printed by `why`; and the voxels gained and lost by the "
+     "last edit. The standard deviation is that of a sample (n - 1).\n"
+     "Labels that have a name, or that the finish deletes, are listed even without voxels.\n"
      "report: write the same as FILE.json or FILE.csv." FINISHED_NOTE,
      "stats"},
     {CALLED("compare", "dice|overlap", act_compare, GROUP_QUESTIONS, S | A),
@@ -805,8 +807,7 @@ static const struct command command_table[] = {
      "Dice: twice the voxels in both A and B, divided by the voxels in A plus the voxels in B; 1 "
      "if equal.\n"
      "Jaccard: the voxels in both A and B, divided by the voxels in A, B or both.\n"
-     "Hausdorff: the largest distance from a voxel of A or B to the nearest voxel of the other, in "
-     "mm.\n"
+     "Hausdorff: the largest distance from a voxel of A or B to the nearest of the other, in mm.\n"
      "95 %, mean: the 95th percentile and the mean of the distances from each surface to the "
      "other, in mm. A surface is the set of voxels with a neighbour outside the object, by a face, "
      "an edge or a corner; the boundary of the scene does not count.\n"
@@ -828,8 +829,7 @@ static const struct command command_table[] = {
      "segment with single keys, in full screen",
      "Shows slices, the rendition and a cross-hair. ? lists the keys, and q returns to the prompt. "
      "A key that changes the session runs a command, which is recorded. After `labels` the brush "
-     "is exact: it plants with within=0. Needs a terminal. Ctrl-O at the prompt also opens the "
-     "pilot.",
+     "is exact: it plants with within=0. Needs a terminal. Ctrl-O at the prompt also opens it.",
      "pilot"},
     {COMMAND("help", act_help, GROUP_QUESTIONS, 0),
      {MAY("COMMAND", VALUE_COMMAND, .choices = "keys|correct")},
@@ -847,15 +847,15 @@ static const struct command command_table[] = {
 /* Indented lines are commands, those with a $ commands of the shell. */
 static const char recipes[] =
     "Correct a segmentation: `labels FILE` loads it, and each piece becomes a marker.\n"
-    "The commands below change only voxels of the named labels, `undo` reverts one,\n"
-    "`save labels` writes the map. In a session grown from seeds, first type\n"
-    "`labels here`; without `over` and `within=0`, seeds grow, and move borders.\n\n"
+    "Commands with `over`, `keep` or `within=0` change only described voxels; seeds\n"
+    "without these grow, and move borders. `undo` reverts a command, `save labels`\n"
+    "writes the map. In a session grown from seeds, first type `labels here`.\n\n"
     "Erase label 5 in a ball where it leaked; other labels stay:\n"
     "    seed 60,108,90 0 radius=5 within=0 over=5\n"
-    "Paint label 5 into the background alone, by ball or outline:\n"
+    "Paint label 5 over background only, by a ball or an outline:\n"
     "    seed 60,108,90 5 radius=5 within=0 over=0\n"
     "    outline 60,90,50 5 to=70,90,50 to=65,99,50 within=0 over=0\n"
-    "Grow label 5 over background alone, up to the edges of the scene:\n"
+    "Grow label 5 over background only, up to edges, at most 9 voxels away:\n"
     "    seed 60,108,90 5 radius=2 within=9 over=0\n"
     "Split two touching objects of label 7 by a ball in each; their outline stays:\n"
     "    seed 40,108,90 7 radius=2 over=7\n"
@@ -866,7 +866,7 @@ static const char recipes[] =
     "    labels model.nii.gz regions=17,53 as=11,5 rest=none\n"
     "Give a piece of label 5 to label 3, by a box around it:\n"
     "    box 27,30,40 34,38,52 3 within=0 over=5\n"
-    "Draw a new object without changing others, or all but label 2:\n"
+    "Draw a new object over background only, or over every label except 2:\n"
     "    seed 70,100,88 9 radius=4 within=0 over=0\n"
     "    seed 70,100,88 9 radius=4 within=0 keep=2\n"
     "Start from an atlas: carry its labels to another head, where borders are\n"

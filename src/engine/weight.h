@@ -90,7 +90,7 @@ enum weight_argument {
           "all voxels within `radius` steps.\n")                                                   \
     NEXT(SOBEL, sobel, NOTHING, 0, "sobel: the 3-D Sobel operator.\n")                             \
     NEXT(GAUSS, gauss, SIGMA, 0,                                                                   \
-         "gauss: the gradient of the scene smoothed by a Gaussian of SIGMA 0.5..8 voxels.\n")      \
+         "gauss: the gradient after smoothing by a Gaussian of SIGMA 0.5..8 voxels, required.\n")  \
     NEXT(DIFFERENCE, difference, NOTHING, 0,                                                       \
          "difference: the absolute difference of intensity between the two voxels of a step.\n")   \
     NEXT(POLARITY, polarity, NOTHING, 0,                                                           \

@@ -19,7 +19,7 @@ enum { GRAPHICS = KEEP_GOING + 1, SMOOTH };
 enum { PROCESSES = SMOOTH + 1, FROM, UNTIL, DIFF_UNTIL, STRICT, NO_STRICT, EXPECT };
 enum { SHARD = EXPECT + 1, FAIL_FAST, TIMINGS, REMOVE_ORPHANS, JUNIT, HTML };
 enum { JSON = HTML + 1, CSV, REGIONS, AS, BINARY, RESAMPLE, HISTOGRAM, VOLUME };
-enum { PICTURE = VOLUME + 1, SLICES, SURFACE, SLICES_SCENE };
+enum { VOLUMES = VOLUME + 1, PICTURE, SLICES, SURFACE, SLICES_SCENE };
 enum { FROM_STEP = SLICES_SCENE + 1, UNTIL_STEP, BY, PLANT_AS, FIT, LANDMARKS_OF, ORIENT };
 enum { APPLY_OUT = ORIENT + 1, PROCEDURE_SCENE };
 enum { LIMIT_MEMORY = PROCEDURE_SCENE + 1, LIMIT_TIME, LIMIT_OUTPUT, UNCONFINED };
@@ -70,8 +70,7 @@ static const struct option option[] = {
     [GRAPHICS] = {"--graphics", "HOW", "use this picture protocol instead of the detected one",
                   read_graphics, 0, 0, 0, graphics_add_names},
     [SMOOTH] = {"--smooth", NULL,
-                "show pictures in 24-bit colour if the terminal supports it; needs four times the "
-                "bytes",
+                "show 24-bit pictures if the terminal supports it; about four times the bytes",
                 FLAG(smooth)},
     [PROCESSES] = {"-j", "N", "verify N journals in parallel, 1..64 (default: 1)",
                    NUMBER(verify.processes, 1, PROCESSES_MOST)},
@@ -81,9 +80,8 @@ static const struct option option[] = {
                NUMBER(verify.last, 1, RECORDS_MOST)},
     [DIFF_UNTIL] = {"--until", "N", "stop after this record", NUMBER(until, 1, RECORDS_MOST)},
     [STRICT] = {"--strict", NULL,
-                "fail on incomplete evidence: an incomplete last record, a record without a "
-                "digest, a missing golden image, or an image that no record names; the default if "
-                "CI is set",
+                "fail on incomplete evidence: a torn last record, a record without a digest, a "
+                "missing golden image, or one that no record names; the default if CI is set",
                 FLAG(verify.strict)},
     [NO_STRICT] = {"--no-strict", NULL, "accept incomplete evidence, even if CI is set",
                    FLAG(no_strict)},
@@ -109,10 +107,11 @@ static const struct option option[] = {
     [JSON] = {"--json", NULL, "print JSON", FLAG(json)},
     [HISTOGRAM] = {"--histogram", NULL, "also print a histogram of the voxels of a scene",
                    FLAG(histogram)},
-    [VOLUME] =
+    [VOLUME] = {"--volume", "N", "select a volume of a 4-D file, from 0", LIST(volume, 0, 65535)},
+    [VOLUMES] =
         {"--volume", "N[,N]",
-         "select a volume of a 4-D file, from 0; in a list for several files, the last number is "
-         "for all further files",
+         "select a volume of each 4-D file, from 0: one number for all files, or a list with a "
+         "number for each file, the last one for all further files",
          LIST(volume, 0, 65535)},
     [PICTURE] = {"--picture", "FILE.png",
                  "draw both renditions and their differences, side by side", TEXT(picture)},
@@ -145,7 +144,8 @@ static const struct option option[] = {
     [FIT] = {"--fit", "KIND",
              "fit landmarks by " CARRY_FITS " (default: affine; rigid for 3 landmarks)", TEXT(fit)},
     [LANDMARKS_OF] = {"--landmarks", "FILE",
-                      "read the landmarks of SCENE: lines NAME X,Y,Z in mm, or a journal of SCENE",
+                      "read the landmarks of the one SCENE: lines NAME X,Y,Z in mm to the right, "
+                      "front and head, or a journal of SCENE",
                       TEXT(landmarks)},
     [ORIENT] = {"--orient", "HOW", "set the orientation of scenes without one, as in RAS",
                 TEXT(orient)},
@@ -163,8 +163,7 @@ static const struct option option[] = {
                       TEXT(limit_output)},
     [UNCONFINED] =
         {"--unconfined", NULL,
-         "run even if the kernel has no Landlock and cannot confine libraries to the files of the "
-         "journal",
+         "run even if the kernel has no Landlock to confine libraries to the files of the journal",
          FLAG(unconfined)},
     [COMMANDS] = {"-c", "'COMMAND; COMMAND'", "", TEXT(commands)},
     [VERSION] = {"--version", FORM},
@@ -190,7 +189,7 @@ enum { FILES_MOST = 1 << 20 };
 /* Name, form, operands, and their least and largest number. */
 static const struct program program[] = {
     {NULL, NULL, "[SCENE|JOURNAL]", 0, 1, .option = {SESSION_OPTIONS},
-     .summary = "open the prompt on a new scene or a journal", .run = run_prompt},
+     .summary = "open the prompt on a scene or a journal", .run = run_prompt},
     {NULL, "-c", "", 0, 0, .option = {COMMANDS, SESSION_OPTIONS, WHOLE, KEEP_GOING},
      .summary = "run these commands", .run = run_commands},
     {"run", NULL, "FILE|-", 1, 1, .option = {SESSION_OPTIONS, WHOLE, KEEP_GOING, JSON},
@@ -211,14 +210,15 @@ static const struct program program[] = {
          "{\"id\": 1, \"do\": \"seed 90,108,90 1\"} runs a command, {\"id\": 2, \"array\": "
          "\"labels\"} writes voxels into a file, {\"cancel\": 1} cancels request 1. The first line "
          "of the output has the version of the protocol and describes the scene and the journal. "
-         "Without --journal, creates a new journal, as the prompt does. src/program/README.md "
-         "describes the protocol, and examples/python has a client.",
+         "Without --journal, creates a journal in the current folder, as the prompt does. "
+         "src/program/README.md describes the protocol, and examples/python has a client.",
      .run = run_serve},
     {"replay", NULL, "JOURNAL", 1, 1, .option = {SCENE, REPLAY_OUT, LIMIT_OPTIONS},
      .summary = "run a journal again and compare its results",
      .detail = "An untrusted journal is safe to replay. It can read files below its own folder and "
-               "the folders of scenes; elsewhere, only a scene whose digest it has. It can write "
-               "into one folder only, and is stopped at the limits.",
+               "below the folders in $IFTTY_SCENES (default: those of Debian's mricron-data); "
+               "elsewhere, only a scene whose digest it has. It can write into one folder only, "
+               "and is stopped when it reaches a limit.",
      .run = run_replay},
     {"verify", NULL, "JOURNAL...", 1, FILES_MOST,
      .option = {PROCESSES, FROM, UNTIL, STRICT, NO_STRICT, EXPECT, SHARD, FAIL_FAST, TIMINGS,
@@ -233,14 +233,14 @@ static const struct program program[] = {
     {"verify", "--accept", "JOURNAL", 1, 1, .option = {ACCEPT, ONLY, SCENE},
      .summary = "redraw golden images and record the reason",
      .detail = "Redraws golden images that differ or are missing. Rejected if CI is set, since a "
-               "person must decide this. Keeps the former journal next to the new one.",
+               "person must decide this. Keeps the former journal as JOURNAL.before-N.",
      .run = run_reseal},
     {"tutorial", NULL, "[JOURNAL]", 0, 1, .option = {GRAPHICS, SMOOTH},
      .summary = "segment a first organ in ten minutes",
      .detail = "Opens the head ch2 of Debian's mricron-data, with instructions for prompt and "
                "pilot. A step is complete when its seeds are planted, by any keys or commands, and "
-               "the brain has the required Dice coefficient with mricron's extraction. JOURNAL "
-               "resumes a lesson. Keeps only the journal.",
+               "the brain has the required Dice coefficient with mricron's extraction. Leaves no "
+               "file except the journal; `iftty tutorial JOURNAL` resumes it.",
      .run = run_tutorial},
     {"watch", NULL, "JOURNAL", 1, 1,
      .option = {FROM_STEP, UNTIL_STEP, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
@@ -253,33 +253,33 @@ static const struct program program[] = {
      .run = run_watch},
     {"diff", NULL, "A B", 2, 2, .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, LIMIT_OPTIONS},
      .summary = "compare the commands and labels of journals",
-     .detail = "Prints the first command that differs and, for each label, the voxels in both and "
-               "the Dice coefficient. A and B may also be scripts.",
+     .detail = "Prints the first command that differs and, for each label, the Dice coefficient "
+               "and the numbers of voxels in A, in B and in both. A and B may also be scripts.",
      .run = run_diff},
     {"apply", NULL, "PROCEDURE SCENE...", 2, FILES_MOST,
-     .option = {BY, PLANT_AS, VOLUME, APPLY_OUT, LANDMARKS_OF, FIT, ORIENT, PROCEDURE_SCENE, JSON,
+     .option = {BY, PLANT_AS, VOLUMES, APPLY_OUT, LANDMARKS_OF, FIT, ORIENT, PROCEDURE_SCENE, JSON,
                 LIMIT_OPTIONS},
      .summary = "apply a procedure to other scenes",
      .detail = "PROCEDURE is a journal, replayed under the restrictions of `replay`, or the output "
                "of `iftty log --procedure`. For each SCENE, writes SCENE.iftty atomically, a "
                "journal that can be corrected and verified like any other. Skips a SCENE that has "
                "an identical journal. Drops and counts seeds whose intensity does not occur in the "
-               "procedure's object. Prints each label's volume, its share of the expected volume, "
-               "and its volume that is far from the carried label: farther than 5 mm and farther "
-               "than a third of the radius of a ball of the label's volume. Marks every label with "
-               "less than two thirds or more than three halves of its expected volume, or more "
-               "than a fiftieth of it far away. Exit status 1: a scene was rejected.",
+               "procedure's object. For each label, prints its volume, also as a share of the "
+               "expected one, and the part of it that is far from the transferred label: more than "
+               "5 mm and more than r/3, where r is the radius of a ball of the label's volume. "
+               "Marks labels with less than 2/3 or more than 3/2 of the expected volume, or with "
+               "more than 1/50 of their volume far away. Exit status 1: a scene was rejected.",
      .run = run_apply},
     {"compare", NULL, "A B", 2, 2,
-     .option = {VOLUME, REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE, SURFACE},
+     .option = {VOLUMES, REGIONS, AS, BINARY, RESAMPLE, JSON, CSV, SLICES, SLICES_SCENE, SURFACE},
      .summary = "compare two label maps",
      .detail = "For each label, and for all labels together, prints overlap (Dice, Jaccard), "
                "volumes, and distances between the two objects and their surfaces (`help "
                "compare`). Both maps must have the same grid, unless B is resampled to that of A.",
      .run = run_compare},
     {"log", NULL, "JOURNAL", 1, 1, .summary = "print a journal", .run = run_log},
-    {"log", "--script", "JOURNAL", 1, 1, .option = {SCRIPT}, .summary = "print only its commands",
-     .run = run_log_script},
+    {"log", "--script", "JOURNAL", 1, 1, .option = {SCRIPT},
+     .summary = "print its commands and comments", .run = run_log_script},
     {"log", "--anonymise", "JOURNAL", 1, 1, .option = {ANONYMISE, SCRIPT},
      .summary = "print commands; omit file names and free text", .run = run_log_anonymise},
     {"log", "--check", "JOURNAL", 1, 1, .option = {CHECK},
@@ -288,24 +288,22 @@ static const struct program program[] = {
     {"log", "--procedure", "JOURNAL", 1, 1, .option = {PROCEDURE, SCENE, LIMIT_OPTIONS},
      .summary = "write the input of `apply`, without images",
      .detail = "Writes labels and their grid, percentiles of intensities, seeds, landmarks, "
-               "weights and finish as text to FILE, or to standard output if FILE is -. The text "
-               "has the names of labels, but no image, comment or file name. Does not overwrite a "
-               "file.",
+               "weights and finish as text to FILE, or to standard output for -. The text has the "
+               "names of labels, but no image, comment or file name. Does not overwrite a file.",
      .run = run_log_procedure},
     {"log", "--repair", "JOURNAL", 1, 1, .option = {REPAIR},
-     .summary = "keep valid records, move the rest to a file", .run = run_log_repair},
+     .summary = "move invalid records to JOURNAL.torn-N", .run = run_log_repair},
     {"log", "--reseal", "JOURNAL", 1, 1, .option = {RESEAL, ACCEPT, SCENE},
      .summary = "recompute the results of an edited journal",
      .detail = "With --accept WHY, also redraws golden images, as `verify --accept` does; "
-               "otherwise fails if one differs. Keeps the former journal next to the new one.",
+               "otherwise fails if one differs. Keeps the former journal as JOURNAL.before-N.",
      .run = run_reseal},
     {"show", NULL, "PICTURE", 1, 1, .option = {GRAPHICS, SMOOTH},
      .summary = "show a picture inline, if the terminal can",
      .detail = "Prints nothing if standard output is not a terminal.", .run = run_show},
     {"info", NULL, "[FILE]", 0, 1, .option = {JSON, HISTOGRAM, VOLUME},
      .summary = "describe a picture, scene, journal or iftty",
-     .detail = "Without FILE, prints the version, and the kernel's confinement of `replay` and "
-               "`verify`.",
+     .detail = "Without FILE, prints the version and how `replay` and `verify` are confined.",
      .run = run_info},
     {"help", NULL, "[COMMAND|PROGRAM]", 0, 1, .summary = "describe a command or a program",
      .detail = "`iftty help keys` lists the keys of the prompt, `iftty help correct` shows how to "
@@ -318,11 +316,13 @@ static const struct program program[] = {
 const struct program_table program_table = {
     .called = "iftty",
     .about = "iftty: segment 3-D scenes by seeds, in a terminal",
-    .closing = "`iftty PROGRAM --help` lists the options of a program. `--option=VALUE` means\n"
-               "`--option VALUE`, -V means --version, and -h means --help.\n"
+    .closing = "`iftty PROGRAM --help` lists the options of a program; `-c` has those of `run`,\n"
+               "except for --json. `--option=VALUE` means `--option VALUE`, -V means --version,\n"
+               "and -h means --help. The prompt records a new session on NAME.nii.gz in\n"
+               "./NAME-1.iftty, or the next free number, unless --journal names another file.\n"
                "Ctrl-C cancels the current command, and ends `run`, `-c` and `replay`.\n"
-               "Exit status: 0 success, 1 a check failed, 2 bad usage, 3 bad input or I/O,\n"
-               "130 Ctrl-C.\n",
+               "Exit status: 0 success, 1 a check failed or `apply` rejected a scene, 2 bad\n"
+               "usage, 3 bad input or I/O, 130 Ctrl-C.\n",
     .row = program,
     .rows = sizeof program / sizeof program[0],
     .option = {option, sizeof option / sizeof option[0]},

@@ -466,7 +466,7 @@ enum err run_version(const struct options *o, struct fault *fault)
     exr_get_library_version(&exr[0], &exr[1], &exr[2], &extra);
     /* A version next to "deflate" in the binary is a copy of zlib to lintian. */
     printf("iftty " PROGRAM_VERSION "\n"
-           "semantics %d of journals\n"
+           "journal semantics %d\n"
            "OpenEXR %d.%d.%d, zlib %s, libdeflate %s, nettle %d.%d\n",
            SEMANTICS, exr[0], exr[1], exr[2], zlibVersion(), LIBDEFLATE_VERSION_STRING,
            nettle_version_major(), nettle_version_minor());

@@ -47,7 +47,7 @@ const struct command setting_table[] = {
        SETS(outlook.view.height, 512, .made = MADE_CAMERA)}},
      "set the size of pictures, in pixels",
 
-     "Sets the size of renditions, slices and mosaics; the default is 512 512.",
+     "Sets the size of renditions, slices and mosaics, 1..8192 each; the default is 512 512.",
 
      "size 512 512"},
     {SETTING("shade", GROUP_LOOK, R | S),
@@ -85,18 +85,17 @@ const struct command setting_table[] = {
        SETS(outlook.look.edges, 0, .made = MADE_CAMERA, .as = HELD_AS_SWITCH)}},
      "draw lines at folds and occluding edges",
 
-     "The default is off. Lines are one pixel wide, on the object in front. They are dark at "
-     "folds, "
-     "and where an object or another part of the object is behind it or touches it. In front of "
-     "the background they are light, with a dark line inside.",
+     "The default is off. Lines are one pixel wide, on the surface in front. They are dark at "
+     "folds, and where another object, or another part of the same object, is behind or touches. "
+     "In front of the background they are light, with a dark line inside.",
 
      "edges on"},
     {SETTING("samples", GROUP_LOOK, R | S),
      {{"COUNT", VALUE_CHOICE, .choices = "1|2|4",
        SETS(outlook.look.samples, 1, .made = MADE_CAMERA, .as = HELD_AS_COUNT)}},
-     "smooth outlines by COUNT x COUNT samples per pixel",
-     "The colour of a pixel is the mean of its samples; depth, label and voxel are those of the "
-     "nearest sample. The default is 1.",
+     "smooth outlines by 1, 4 or 16 samples per pixel",
+     "`samples 4` uses 4 x 4 samples per pixel; the default is 1. The colour of a pixel is the "
+     "mean of its samples; depth, label and voxel are those of the nearest sample.",
      "samples 2"},
     {SETTING("background", GROUP_LOOK, R | S),
      {{"COLOUR", VALUE_COLOUR, .choices = BACKGROUNDS,
@@ -139,11 +138,12 @@ const struct command setting_table[] = {
       {"words", VALUE_CHOICE, KEYED, .choices = "on|off",
        SETS(outlook.slices.words, 1, .made = 0, .as = HELD_AS_SWITCH, .stays = true)}},
      "draw labels and marks over the grey of slices",
-     "Draws no labels, a tint, or contours of the visible labels; the default is contour.\n"
+     "Draws no labels, a tint, or contours of the visible labels; the default is contour. cross, "
+     "marks and words are on by default.\n"
      "cross: the cross-hair.\n"
-     "marks: a dot for each seed in the slice, except for seeds inside a group and seeds of "
-     "`labels`, and an x where `remove` was applied in the last run. In the pilot, pending marks "
-     "have a white rim.\n"
+     "marks: a dot for each seed in the slice, except for seeds of `labels` and seeds with four "
+     "neighbours in the slice that are seeds of the same label; and an x where `remove` was "
+     "applied in the last run. In the pilot, pending marks have a white rim.\n"
      "words: the title, the letters of the patient's sides, the scale bar and the grey bar.",
      "overlay tint cross=off"},
     {SETTING("finished", GROUP_KEPT, R | S),
