@@ -60,7 +60,7 @@ static bool same(const struct picture *a, const struct picture *b)
 static struct picture written(const struct picture *p)
 {
     struct picture q;
-    CHECK_INT(exr_write(path, FILE_REPLACE, p, NULL), OK);
+    CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, p, NULL), OK);
     CHECK_INT(exr_read(&q, path, NULL), OK);
     return q;
 }
@@ -70,7 +70,7 @@ static bool comes_back_as(uint32_t width, uint32_t height, bool all_planes, bool
     struct picture p = sample(width, height, all_planes), q;
     struct fault fault = {0};
     p.tiled = tiled;
-    bool fine = CHECK(exr_write(path, FILE_REPLACE, &p, &fault) == OK) &&
+    bool fine = CHECK(strips_write(&exr_strips, path, FILE_REPLACE, &p, &fault) == OK) &&
                 CHECK(exr_read(&q, path, &fault) == OK) && CHECK(same(&p, &q));
     if (!fine)
         printf("#   %ux%u%s: %s\n", width, height, tiled ? " tiled" : "", fault.text);
@@ -199,10 +199,10 @@ STORY(the_same_picture_gives_the_same_bytes)
 {
     OWNED(picture_release) struct picture p = sample(50, 50, true);
     OWNED(buf_release) struct buf first = {0}, second = {0};
-    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, NULL), OK);
     CHECK_INT(file_read(&first, path, 1 << 20, NULL), OK);
     sleep(1);
-    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, NULL), OK);
     CHECK_INT(file_read(&second, path, 1 << 20, NULL), OK);
     CHECK_INT(first.length, second.length);
     CHECK(memcmp(first.data, second.data, first.length) == 0);
@@ -212,8 +212,8 @@ STORY(an_existing_file_is_kept_unless_told)
 {
     OWNED(picture_release) struct picture p = sample(4, 4, false);
     struct fault fault = {0};
-    CHECK_INT(exr_write(path, FILE_REPLACE, &p, &fault), OK);
-    CHECK_INT(exr_write(path, FILE_KEEP, &p, &fault), ERR_IO);
+    CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, &fault), OK);
+    CHECK_INT(strips_write(&exr_strips, path, FILE_KEEP, &p, &fault), ERR_IO);
     CHECK_HAS(fault.text, "exists already");
 }
 
@@ -222,7 +222,7 @@ STORY(a_note_under_a_name_of_the_format_is_refused)
     OWNED(picture_release) struct picture p = sample(4, 4, false);
     struct fault fault = {0};
     picture_note(&p, "dataWindow", "mine", NULL);
-    CHECK_INT(exr_write(path, FILE_REPLACE, &p, &fault), ERR_INPUT);
+    CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "\"dataWindow\" cannot name a note");
 }
 
@@ -237,12 +237,12 @@ STORY(a_full_disk_leaves_the_former_file)
 {
     OWNED(picture_release) struct picture p = sample(64, 64, true), q;
     struct fault fault = {0};
-    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, NULL), OK);
     p.rgba[0] ^= 1;
     file_step_hook = disk_is_full;
     for (int after = 0; after < 6; after++) {
         full_after = after;
-        CHECK_INT(exr_write(path, FILE_REPLACE, &p, &fault), ERR_IO);
+        CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, &fault), ERR_IO);
         CHECK_HAS(fault.text, "No space left on device");
     }
     file_step_hook = NULL;
@@ -269,7 +269,7 @@ static const char *refusal(const void *from, const void *to, size_t length)
     static struct fault fault;
     struct picture p = sample(8, 8, true), q;
     fault = (struct fault){0};
-    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, NULL), OK);
     patch(from, to, length);
     CHECK(exr_read(&q, path, &fault) != OK && q.rgba == NULL && q.attributes == 0);
     CHECK(strchr(fault.text, '\n') == NULL);
@@ -311,7 +311,7 @@ STORY(tiles_of_many_levels_or_none_are_refused)
     for (size_t i = 0; i < sizeof form / sizeof form[0]; i++) {
         tiled = sample(70, 70, true);
         tiled.tiled = true;
-        CHECK_INT(exr_write(path, FILE_REPLACE, &tiled, NULL), OK);
+        CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &tiled, NULL), OK);
         patch("tiles\0tiledesc\0\x9\0\0\0\x40\0\0\0\x40\0\0\0\0", form[i], 28);
         CHECK(exr_read(&q, path, &fault) != OK && q.rgba == NULL);
         CHECK(fault.text[0] != '\0' && strchr(fault.text, '\n') == NULL);
@@ -336,7 +336,7 @@ static void damage(struct picture p)
 {
     struct picture q;
     OWNED(buf_release) struct buf good = {0}, bad = {0};
-    CHECK_INT(exr_write(path, FILE_REPLACE, &p, NULL), OK);
+    CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, NULL), OK);
     CHECK_INT(file_read(&good, path, 1 << 20, NULL), OK);
     for (int round = 0; round < 3000; round++) {
         struct fault fault = {0};

@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "image/exr.h"
-#include "image/exr_write.h"
+#include "image/image_helper.h"
 #include "image/volume.h"
 #include "render/notes.h"
 #include "program/panes.h"
@@ -879,7 +879,7 @@ STORY(golden_slices_are_compared_when_replayed)
     if (CHECK(exr_read(&picture, "slices.golden/mosaic.exr", &fault) == OK)) {
         CHECK(picture.label && picture.voxel && !picture.depth_mm);
         picture.rgba[4 * 5] ^= 1;
-        CHECK(exr_write("slices.golden/mosaic.exr", FILE_REPLACE, &picture, &fault) == OK);
+        CHECK(image_write(NULL, "slices.golden/mosaic.exr", FILE_REPLACE, &picture, &fault) == OK);
         picture_release(&picture);
         replay("slices.iftty",
                "golden image mosaic: 1 of 1600 pixels differ, first column 5, row 0");

@@ -115,7 +115,7 @@ static enum err compare_attributes(const struct buf *a, const struct buf *b, con
     return OK;
 }
 
-/* Check that the header is that of `like` as exr_write writes it, without the notes: the same size,
+/* Check that the header is that of `like` as iftty writes it, without the notes: the same size,
  * channels, windows and every other attribute. ERR_CHECK with the first difference. */
 static enum err check_header(const struct buf *header, const struct picture *like,
                              struct fault *fault)

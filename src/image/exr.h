@@ -27,7 +27,7 @@
  * multiplied by A, Z is depth_mm, and there is no channel depth. Readers check the attribute.
  *
  * Each attribute of the picture is a string attribute of the same name. exr_read returns exactly
- * the picture of exr_write, except for colours where alpha is 0, which are 0 in an associated file:
+ * the written picture, except for colours where alpha is 0, which are 0 in an associated file:
  * 8-bit sRGB is converted by a table of 256 different halves for each alpha (image/linear.h), and a
  * half that is not in the table (from another program) becomes the nearest entry. The same picture
  * has the same bytes: no time, host or program is stored.
@@ -50,7 +50,7 @@
  * a side, of another form or damaged is refused in one line, and *out is empty. */
 enum err exr_read(struct picture *out, const char *path, struct fault *fault);
 
-/* Read a golden image, which must equal the file that exr_write writes for `like`, the picture
+/* Read a golden image, which must equal the file that iftty writes for `like`, the picture
  * drawn now, except for its pixels and notes, which the caller compares. Another size, another
  * header and any byte that readers ignore are ERR_CHECK, before a pixel is decoded if the header
  * shows it. Uses at most the free memory (mem_available), and returns ERR_CANCELLED if the watch
@@ -61,7 +61,7 @@ enum err exr_read_golden(struct picture *out, const char *path, const struct pic
 
 /*
  * The header of an OpenEXR file, as bytes, read without OpenEXR: to find the program that wrote a
- * picture without decoding it, and to compare a golden image with the header of exr_write.
+ * picture without decoding it, and to compare a golden image with the header of exr_write.c.
  *
  *     76 2f 31 01        magic number
  *     02 00 00 00        version 2; flags above: 0x200 tiles, 0x400 long names

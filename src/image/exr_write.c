@@ -512,19 +512,9 @@ static enum err write_file(void *coder, const char *draft, const struct picture 
     return err;
 }
 
-const struct strips_format exr_strips = {strip_height, begin_coder, compress_strip, write_file,
-                                         end_coder};
-
-enum err exr_write(const char *path, enum file_mode mode, const struct picture *picture,
-                   struct fault *fault)
-{
-    struct strips *strips;
-    enum err err = check_names(path, picture, fault);
-    if (!err)
-        err =
-            strips_begin(&strips, &exr_strips, path, mode, picture, picture_planes(picture), fault);
-    if (err)
-        return err;
-    strips_give_all(strips, picture);
-    return strips_end(strips, picture, fault);
-}
+const struct strips_format exr_strips = {.holds_planes = true,
+                                         .height = strip_height,
+                                         .begin = begin_coder,
+                                         .pack = compress_strip,
+                                         .write = write_file,
+                                         .end = end_coder};

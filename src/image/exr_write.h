@@ -16,12 +16,9 @@
 #include "image/picture.h"
 #include "image/strips.h"
 
+/* ERR_INPUT for an attribute whose name OpenEXR uses itself (such as "channels") or that is empty
+ * or longer than 255 bytes. */
 extern const struct strips_format exr_strips;
-
-/* Write `picture` as `path`, atomically. ERR_INPUT for an attribute whose name OpenEXR uses itself
- * (such as "channels") or that is empty or longer than 255 bytes. */
-enum err exr_write(const char *path, enum file_mode mode, const struct picture *picture,
-                   struct fault *fault);
 
 /* out = the header of `like` without its notes; other bytes may follow it. */
 enum err exr_write_header_of(struct buf *out, const struct picture *like, struct fault *fault);

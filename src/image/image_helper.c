@@ -201,10 +201,9 @@ enum err image_write(struct image_helper *helper, const char *path, enum file_mo
                      const struct picture *picture, struct fault *fault)
 {
     struct image_movie movie = {.helper = helper, .path = path, .mode = mode};
-    if (file_is_named(path, EXR_NAMES))
-        return exr_write(path, mode, picture, fault);
-    if (file_is_named(path, ".png"))
-        return png_write(path, mode, picture, fault);
+    const struct strips_format *format = image_strips(path);
+    if (format)
+        return strips_write(format, path, mode, picture, fault);
     enum err err = image_movie_begin(&movie, picture, 1, 0, fault);
     if (!err)
         err = image_movie_add(&movie, picture, fault);

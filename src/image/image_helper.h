@@ -58,10 +58,10 @@ enum err image_helper_start(struct image_helper *helper, struct fault *fault);
 /* End the helper, if it runs, and wait for it. */
 void image_helper_free(struct image_helper *helper);
 
-/* Write `picture` as `path`, atomically: .exr by exr_write with all planes, .png by png_write,
- * every other extension by the helper: the visible colours, and notes. A clear picture has its
- * alpha in PNG and TIFF, and is over black in other formats. Notes are lines "name: value" of the
- * image description, if a format has one. The same picture has the same bytes. */
+/* Write `picture` as `path`, atomically: .exr with all planes and .png by their formats of
+ * strips, every other extension by the helper: the visible colours, and notes. A clear picture has
+ * its alpha in PNG and TIFF, and is over black in other formats. Notes are lines "name: value" of
+ * the image description, if a format has one. The same picture has the same bytes. */
 enum err image_write(struct image_helper *helper, const char *path, enum file_mode mode,
                      const struct picture *picture, struct fault *fault);
 

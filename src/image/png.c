@@ -253,21 +253,11 @@ static enum err write_file(void *context, const char *draft, const struct pictur
     return err;
 }
 
-const struct strips_format png_strips = {strip_height, begin_coder, compress_strip, write_file,
-                                         free};
-
-enum err png_write(const char *path, enum file_mode mode, const struct picture *picture,
-                   struct fault *fault)
-{
-    struct strips *strips;
-    struct picture shown = *picture;
-    shown.rgba = shown.shown ? shown.shown : shown.rgba;
-    const enum err err = strips_begin(&strips, &png_strips, path, mode, picture, 0, fault);
-    if (err)
-        return err;
-    strips_give_all(strips, &shown);
-    return strips_end(strips, picture, fault);
-}
+const struct strips_format png_strips = {.height = strip_height,
+                                         .begin = begin_coder,
+                                         .pack = compress_strip,
+                                         .write = write_file,
+                                         .end = free};
 
 /* ---- rasters ---- */
 

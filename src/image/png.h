@@ -81,11 +81,8 @@ enum err png_read_notes(struct picture *out, const void *bytes, size_t length, s
  * the left (filter 1). The same picture has the same bytes.
  */
 
+/* The visible colours of a picture, and its notes. ERR_INPUT for a note whose name is invalid in
+ * PNG, which has 1..79 printable ASCII characters. */
 extern const struct strips_format png_strips;
-
-/* Write the visible colours of `picture`, and its notes, as `path`, atomically. ERR_INPUT for a
- * note whose name is invalid in PNG, which has 1..79 printable ASCII characters. */
-enum err png_write(const char *path, enum file_mode mode, const struct picture *picture,
-                   struct fault *fault);
 
 #endif

@@ -69,7 +69,7 @@ enum err strips_begin(struct strips **out, const struct strips_format *format, c
     pieces->fd = -1;
     s->format = format;
     s->mode = mode;
-    s->planes = planes;
+    s->planes = format->holds_planes ? planes : 0;
     s->like = (struct picture){.width = like->width,
                                .height = like->height,
                                .is_clear = like->is_clear,
@@ -185,16 +185,22 @@ void strips_give(struct strips *s, uint32_t top, uint32_t rows)
     pthread_mutex_unlock(&s->lock);
 }
 
-void strips_give_all(struct strips *s, const struct picture *picture)
+enum err strips_write(const struct strips_format *format, const char *path, enum file_mode mode,
+                      const struct picture *picture, struct fault *fault)
 {
+    struct strips *s;
     struct picture to;
+    const enum err err =
+        strips_begin(&s, format, path, mode, picture, picture_planes(picture), fault);
+    if (err)
+        return err;
     for (uint32_t y = 0, n; y < picture->height; y += n) {
         n = strips_lend(s, y, picture->height - y, &to);
         const struct picture from = picture_rows(picture, y, n);
         const size_t pixels = (size_t)n * picture->width;
         if (!n)
-            return;
-        memcpy(to.rgba, from.rgba, 4 * pixels);
+            break;
+        memcpy(to.rgba, format->holds_planes ? from.rgba : picture_colours(&from), 4 * pixels);
         if (to.depth_mm)
             memcpy(to.depth_mm, from.depth_mm, pixels * sizeof *to.depth_mm);
         if (to.label)
@@ -205,6 +211,7 @@ void strips_give_all(struct strips *s, const struct picture *picture)
             memcpy(to.normal, from.normal, 3 * pixels * sizeof *to.normal);
         strips_give(s, y, n);
     }
+    return strips_end(s, picture, fault);
 }
 
 enum err strips_read(const struct strips_pieces *pieces, size_t number, struct buf *out,

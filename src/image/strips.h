@@ -39,15 +39,16 @@ uint32_t strips_lend(struct strips *strips, uint32_t top, uint32_t most, struct 
 /* Release rows that are filled. */
 void strips_give(struct strips *strips, uint32_t top, uint32_t rows);
 
-/* Write a complete picture, which has these planes. */
-void strips_give_all(struct strips *strips, const struct picture *picture);
-
 /* Write the file, after all rows, with the notes of `like`, or report an error. Frees the strips in
  * both cases. */
 enum err strips_end(struct strips *strips, const struct picture *like, struct fault *fault);
 
 /* Free the strips without a file; accepts NULL. */
 void strips_abandon(struct strips *strips);
+
+/* Write a complete picture, with its notes. The same errors, and those of the format. */
+enum err strips_write(const struct strips_format *format, const char *path, enum file_mode mode,
+                      const struct picture *picture, struct fault *fault);
 
 /* ---- for the formats ---- */
 
@@ -69,6 +70,7 @@ struct strips_pieces {
 
 /* A format of files, by functions. `coder` is its own state. */
 struct strips_format {
+    bool holds_planes; /* all of the picture; otherwise its visible colours alone */
     uint32_t (*height)(const struct picture *like); /* rows of a strip; the last one may be lower */
     enum err (*begin)(void **coder, const char *path, const struct picture *like, unsigned planes,
                       struct fault *fault);

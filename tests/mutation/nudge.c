@@ -47,7 +47,7 @@ int main(int count, char **word)
         return 1;
     }
     nudge(&picture, word[2]);
-    const enum err err = exr_write(word[1], FILE_REPLACE, &picture, &fault);
+    const enum err err = strips_write(&exr_strips, word[1], FILE_REPLACE, &picture, &fault);
     picture_release(&picture);
     return err != OK;
 }
