@@ -596,26 +596,24 @@ static enum walk_step find_command(struct walk *walk, struct position *at, struc
     return WALK_RECORD;
 }
 
-/* Read the result line at `at`, if there is one: see *has_result. */
-static enum walk_step find_result(struct walk *walk, struct position *at, bool *has_result,
-                                  struct line *line, struct result *result)
+/* Read the result line at `at`; false without one, or if the walk ends there. */
+static bool find_result(struct walk *walk, struct position *at, struct line *line,
+                        struct result *result)
 {
     struct position after = *at;
-    const char *wrong;
-    *has_result = false;
-    if (!read_line(walk, &after, line))
-        return walk->is_journal ? end_torn(walk) : WALK_RECORD;
-    if (!line_is_result(line))
-        return WALK_RECORD;
-    if ((wrong = line_fault(walk, line)))
-        return is_torn_by_zeros(walk, line) ? end_torn(walk) : end_damaged(walk, line, wrong);
-    if (walk->is_journal && !line->is_complete)
-        return end_torn(walk);
-    if (!parse_result(line->text, line->length, result))
-        return end_damaged(walk, line, "the result line is malformed");
-    *has_result = true;
-    *at = after;
-    return WALK_RECORD;
+    const bool has_line = read_line(walk, &after, line);
+    if (has_line ? !line_is_result(line) : !walk->is_journal)
+        return false;
+    const char *wrong = has_line ? line_fault(walk, line) : NULL;
+    if (wrong && !is_torn_by_zeros(walk, line))
+        end_damaged(walk, line, wrong);
+    else if (wrong || !has_line || (walk->is_journal && !line->is_complete))
+        end_torn(walk);
+    else if (!parse_result(line->text, line->length, result))
+        end_damaged(walk, line, "the result line is malformed");
+    else
+        *at = after;
+    return walk->over == WALK_RECORD;
 }
 
 enum walk_step walk_next(struct walk *walk, struct record *record)
@@ -623,9 +621,9 @@ enum walk_step walk_next(struct walk *walk, struct record *record)
     struct position at = {walk->offset, walk->line};
     struct line line, result_line;
     struct result result;
-    bool has_result = false;
-    if (walk->over == WALK_RECORD && find_command(walk, &at, &line) == WALK_RECORD)
-        find_result(walk, &at, &has_result, &result_line, &result);
+    const bool has_result = walk->over == WALK_RECORD &&
+                            find_command(walk, &at, &line) == WALK_RECORD &&
+                            find_result(walk, &at, &result_line, &result);
     if (walk->over != WALK_RECORD) {
         *record = walk->place;
         return walk->over;

@@ -188,36 +188,35 @@ static bool draw_seeds(const struct canvas *canvas, const struct decoration *d, 
 {
     const size_t pixels = (size_t)d->frame->width * d->frame->height;
     const size_t zoom = d->camera->view.zoom / d->samples;
+    const struct rendition *r = d->frame;
     struct marks marks = {0};
-    struct mark_runs runs = {.run = mem_new(pixels * sizeof *runs.run),
-                             .columns = d->frame->width,
-                             .rows = d->frame->height,
-                             .step = zoom < VIEW_ZOOM_ONE ? 1 : zoom / VIEW_ZOOM_ONE};
-    if (runs.run) {
-        const struct rendition *r = d->frame;
-        for (uint32_t y = 0; y < r->height; y++)
-            for (uint32_t x = 0; x < r->width; x++) {
-                const size_t pixel = (size_t)y * r->width + x;
-                const uint32_t cell = r->cell[pixel];
-                if (cell == CELL_NONE || !(d->camera->scene->cell[cell].flags & CELL_SEED) ||
-                    !mark_choice_has(&d->marked, cell))
-                    continue;
-                const struct mark mark = {.label = d->camera->scene->cell[cell].label};
-                runs.run[pixel] = mark_run(&mark);
-                if ((x == 0 || r->cell[pixel - 1] != cell) &&
-                    (y == 0 || r->cell[pixel - r->width] != cell))
-                    add_mark(&marks, d, cell, false);
-            }
-        marks_keep(&marks, &runs, MARKS_OF_RIMS);
-        for (size_t i = 0; i < d->eliminators; i++)
-            if (is_seen(d, d->eliminator[i]))
-                add_mark(&marks, d, d->eliminator[i], true);
-        marks_draw(canvas, &marks, unit, marks_more(canvas), d->palette);
-    }
-    const bool fine = runs.run && !marks.failed;
+    OWNED(mem_release) uint16_t *run = mem_new(pixels * sizeof *run);
+    const struct mark_runs runs = {.run = run,
+                                   .columns = r->width,
+                                   .rows = r->height,
+                                   .step = zoom < VIEW_ZOOM_ONE ? 1 : zoom / VIEW_ZOOM_ONE};
+    if (!run)
+        return false;
+    for (uint32_t y = 0; y < r->height; y++)
+        for (uint32_t x = 0; x < r->width; x++) {
+            const size_t pixel = (size_t)y * r->width + x;
+            const uint32_t cell = r->cell[pixel];
+            if (cell == CELL_NONE || !(d->camera->scene->cell[cell].flags & CELL_SEED) ||
+                !mark_choice_has(&d->marked, cell))
+                continue;
+            const struct mark mark = {.label = d->camera->scene->cell[cell].label};
+            run[pixel] = mark_run(&mark);
+            if ((x == 0 || r->cell[pixel - 1] != cell) &&
+                (y == 0 || r->cell[pixel - r->width] != cell))
+                add_mark(&marks, d, cell, false);
+        }
+    marks_keep(&marks, &runs, MARKS_OF_RIMS);
+    for (size_t i = 0; i < d->eliminators; i++)
+        if (is_seen(d, d->eliminator[i]))
+            add_mark(&marks, d, d->eliminator[i], true);
+    marks_draw(canvas, &marks, unit, marks_more(canvas), d->palette);
     free(marks.mark);
-    free(runs.run);
-    return fine;
+    return !marks.failed;
 }
 
 /* Draw four arms around the voxel, leaving it free. */

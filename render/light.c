@@ -6,9 +6,7 @@
 #include "base/least.h"
 #include "engine/weight_gradient.h"
 
-enum {
-    BARELY = 64, /* smallest cosine to the viewer, as a part of 1 */
-};
+enum { BARELY = 64 }; /* smallest cosine to the viewer, as a part of 1 */
 
 /* ---- gradients to normals ---- */
 

@@ -278,8 +278,8 @@ struct tone {
 void mip_put_behind(uint8_t *out, const uint8_t *rgba, const uint8_t *brightness, size_t count)
 {
     struct tone tone[WHITE + 1];
-    for (uint32_t b = 0; b <= WHITE;
-         b++) { /* translucent below 64, with a brighter level in return */
+    /* Translucent below 64, with a brighter level in return. */
+    for (uint32_t b = 0; b <= WHITE; b++) {
         const uint32_t alpha = b < 64 ? 4 * b : WHITE;
         const uint32_t level =
             alpha ? square_root(((uint64_t)WHITE * b * b + alpha / 2) / alpha) : 0;

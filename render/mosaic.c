@@ -81,38 +81,37 @@ struct fitting {
 static struct fitting fit(const struct rendition *r, const struct mosaic_choice *choice,
                           uint32_t width, uint32_t height)
 {
-    const struct mosaic_box whole = box_of(choice, width, height, MOSAIC_RENDITION);
-    const struct mosaic_box *box = &whole;
+    const struct mosaic_box box = box_of(choice, width, height, MOSAIC_RENDITION);
     struct fitting f = {.width = r->width, .height = r->height};
     if (!r->depth)
         return f;
     if (!choice->layout && width == r->width && height == r->height) {
-        f.width = 2 * box->width;
-        f.height = 2 * box->height;
+        f.width = 2 * box.width;
+        f.height = 2 * box.height;
         f.from_left = (r->width - f.width) / 2;
         f.from_top = (r->height - f.height) / 2;
-        f.shown_width = box->width;
-        f.shown_height = box->height;
+        f.shown_width = box.width;
+        f.shown_height = box.height;
         return f;
     }
     const uint32_t coarse = choice->coarse ? choice->coarse : 1;
     const uint32_t whole_width = coarse * r->width, whole_height = coarse * r->height;
-    const uint32_t across = box->width / whole_width, down = box->height / whole_height;
+    const uint32_t across = box.width / whole_width, down = box.height / whole_height;
     const uint32_t times = across < down ? across : down;
     if (times > 0) {
         f.shown_width = times * whole_width;
         f.shown_height = times * whole_height;
-    } else if ((uint64_t)box->width * whole_height < (uint64_t)box->height * whole_width) {
-        f.shown_width = box->width;
-        f.shown_height = (uint32_t)((uint64_t)whole_height * box->width / whole_width);
+    } else if ((uint64_t)box.width * whole_height < (uint64_t)box.height * whole_width) {
+        f.shown_width = box.width;
+        f.shown_height = (uint32_t)((uint64_t)whole_height * box.width / whole_width);
     } else {
-        f.shown_height = box->height;
-        f.shown_width = (uint32_t)((uint64_t)whole_width * box->height / whole_height);
+        f.shown_height = box.height;
+        f.shown_width = (uint32_t)((uint64_t)whole_width * box.height / whole_height);
     }
     f.shown_width += f.shown_width == 0;
     f.shown_height += f.shown_height == 0;
-    f.left = (box->width - f.shown_width) / 2;
-    f.top = (box->height - f.shown_height) / 2;
+    f.left = (box.width - f.shown_width) / 2;
+    f.top = (box.height - f.shown_height) / 2;
     return f;
 }
 
@@ -182,8 +181,7 @@ static void draw_share(void *context, unsigned worker)
             continue;
         const struct canvas part = canvas_part(d->canvas, box.left, box.top, box.width, box.height);
         if (pane == MOSAIC_RENDITION) {
-            const struct fitting f =
-                fit(d->rendition, d->choice, d->canvas->width, d->canvas->height);
+            const struct fitting f = fit(d->rendition, d->choice, width, height);
             uint8_t behind[3];
             for (uint32_t y = 0; y < part.height; y++) {
                 background_at(behind, background_opaque(d->choice->background), y, part.height);

@@ -183,9 +183,8 @@ void view_focus_on(struct view *view, const struct scene *scene, const uint32_t 
 void view_pan(struct view *view, const struct camera *camera, int64_t right, int64_t down)
 {
     for (int a = 0; a < 3; a++) {
-        /* At most 2^23 each, times cosines of 16 bits: 2^41. */
-        int64_t along =
-            right * (camera->right[a] >> 14) - down * (camera->up[a] >> 14); /* 2^-16 / 1000 px */
+        /* In 2^-16 / 1000 px: at most 2^23 each, times cosines of 16 bits: 2^41. */
+        int64_t along = right * (camera->right[a] >> 14) - down * (camera->up[a] >> 14);
         int64_t side = side_in_pixels(camera->scene, a, view->zoom);
         view->focus[a] -= along * (INT64_C(1) << RELATIVE_BITS) / (1000 * side);
     }

@@ -25,10 +25,8 @@
 #include "program/panes.h"
 #include "tui/pilot/pilot_keys.h"
 
-enum {
-    CORNERS_LEAST = 3,
-    OUTLINE_NEAR = 8, /* largest distance of a place from its outline, in voxels */
-};
+/* Corners of an outline, and the largest distance of a place from it, in voxels. */
+enum { CORNERS_LEAST = 3, OUTLINE_NEAR = 8 };
 
 static struct session *session_of(void *context)
 {

@@ -78,8 +78,7 @@ struct options {
     const char *limit_memory, *limit_time, *limit_output;
     size_t from, until;            /* 0: not given */
     struct graphics_wish graphics; /* {0}: chosen by the terminal */
-    bool help, read_only, whole, keep_going, smooth, json, histogram, csv, binary, resample,
-        anonymise;
+    bool help, read_only, whole, keep_going, smooth, json, histogram, csv, binary, resample;
     bool no_strict, unconfined;
     bool is_form;                 /* set by options that only select a form */
     struct verify_options verify; /* those of `verify` alone; its function sets the rest */

@@ -69,7 +69,7 @@ const struct graphics *graphics_choose(const struct probe_replies *replies,
         const struct graphics *g = wish.of[i];
         const bool refused = probe_is_plain(e->term) || (g->kind == GRAPHICS_PIXELS &&
                                                          (e->no_color || probe_is_screen(replies)));
-        if (!refused && (!g->fits || g->fits(replies)))
+        if (!refused && (g->fits ? g->fits(replies) : g->kind == GRAPHICS_TEXT))
             return all_of(g, replies);
     }
     return all_of(wish.of[wish.count - 1], replies);

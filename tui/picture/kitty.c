@@ -320,17 +320,10 @@ static void whole_tile(struct painter *p, const struct raster *raster, struct bu
 }
 
 /* It is never detected: it replaces kitty's row for other terminals, or the user asks for it. */
-static bool never(const struct probe_replies *replies)
-{
-    (void)replies;
-    return false;
-}
-
 const struct graphics graphics_tiles = {
     .name = "tiles",
     .title = "kitty tiles",
     .kind = GRAPHICS_PIXELS,
-    .fits = never,
     .recovery = RECOVERY,
     .over_cells = true,
     .patch_cost = 300,

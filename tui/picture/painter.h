@@ -197,7 +197,7 @@ struct graphics {
     const char *title; /* its name for users */
     enum graphics_kind kind;
 
-    /* -- detection: NULL is no question, or always fits -- */
+    /* -- detection: NULL is no question; without `fits`, text always fits and pixels never -- */
     bool (*fits)(const struct probe_replies *);
     struct probe_question question; /* in the second round */
     const char *recovery;           /* ends a transmission cut in two; NULL: ESC \ */

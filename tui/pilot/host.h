@@ -105,8 +105,8 @@ struct pilot_onlooker {
     void *context;
     bool (*stops)(void *context); /* called as often: true stops it; or NULL */
     bool (*wants)(void *context); /* called often: true requests a drawing */
-    void (*draw)(
-        void *context); /* called when the present state can be drawn: by `picture`, as usual */
+    /* called when the present state can be drawn: by `picture`, as usual */
+    void (*draw)(void *context);
 };
 
 struct pilot_host {

@@ -76,8 +76,8 @@ struct pilot {
     /* Keys typed during a command, or while labels are finished. */
     struct typed_ahead ahead;
     size_t ahead_shown; /* number of them that are shown */
-    uint64_t reads_ns, shows_ns,
-        wanted_ns; /* time of the next read and of the next drawing; of the last request to draw */
+    /* time of the next read and of the next drawing; of the last request to draw */
+    uint64_t reads_ns, shows_ns, wanted_ns;
     bool is_showing;
 };
 

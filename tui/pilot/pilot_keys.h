@@ -172,8 +172,8 @@ enum { PILOT_CORNERS_MOST = 1000 }; /* limit of an outline, and of a line of a j
 struct pilot_state {
     const struct pilot_setup *setup;
     bool watches; /* looking only: the mode to return to is PILOT_WATCHING, not PILOT_MOVING */
-    enum pilot_mode mode,
-        base; /* the mode, and the one to return to: moving, picking, an outline or watching */
+    /* the mode, and the one to return to: moving, picking, an outline or watching */
+    enum pilot_mode mode, base;
     enum pilot_pane pane; /* one of the three slices, in which arrows move */
     struct pilot_brush brush;
     struct pilot_pen pen;

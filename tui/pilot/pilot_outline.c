@@ -17,10 +17,8 @@
 #include "base/mem.h"
 #include "tui/pilot/pilot_keys.h"
 
-enum {
-    HOLD_MOST = 8,
-    CORNERS_LEAST = 3
-}; /* voxels from the line to a place where it can be grabbed */
+enum { HOLD_MOST = 8 }; /* voxels from the line to a place where it can be grabbed */
+enum { CORNERS_LEAST = 3 };
 /* Voxels along the line; products of coordinates and R^4 stay below 2^63. */
 enum { REACH_LEAST = 6, REACH_MOST = 1024 };
 
