@@ -683,7 +683,7 @@ static const struct command command_table[] = {
      "where no seed reaches.\n"
      "margin: uint16, the additional cost of the best path from a seed of another label: 0 if "
      "another label reaches the voxel at the same cost, 65535 if no other label reaches it. The "
-     "computation needs about the time of a run.\n"
+     "computation needs twice the time of a run with one thread.\n"
      "seeds: all planted seeds, as FILE.csv, which `seed-file` reads.\n"
      "names: the names and colours of labels, in a format of `label-file`: .txt or .label for "
      "ITK-SNAP, .ctab for FreeSurfer, .ctbl for 3D Slicer, .tsv for BIDS, .nii.txt or .lut for "
