@@ -205,8 +205,7 @@ enum err golden_folder(struct buf *out, const char *journal_path, struct fault *
             buf_add_text(out, buf_text(&beside_link));
         }
     }
-    const bool lacks = out->failed || real.failed;
-    return lacks ? fault_memory(fault, "a file name") : OK;
+    return out->failed || real.failed ? fault_memory(fault, "a file name") : OK;
 }
 
 enum err golden_folder_next_to_link(struct buf *out, const char *journal_path, struct fault *fault)

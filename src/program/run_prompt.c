@@ -502,8 +502,7 @@ static void finish_pictures(struct prompt *prompt)
 static void print_journal(const struct journal *journal)
 {
     OWNED(buf_release) struct buf text = {0};
-    const char *path = journal_path(journal);
-    buf_add_safe_text(&text, path);
+    buf_add_safe_text(&text, journal_path(journal));
     printf("journal: %s (%zu record%s%s)\n", buf_text(&text), journal_count(journal),
            plural(journal_count(journal)), journal_only_looks(journal) ? ", not written to" : "");
 }

@@ -503,8 +503,7 @@ static enum err take_member(struct request *request, bool given[KEYS], const str
 /* Check the combination of keys. */
 static enum err check_keys(const bool given[KEYS], struct fault *fault)
 {
-    const int asked = given[KEY_DO] + given[KEY_ARRAY] + given[KEY_CANCEL];
-    if (asked != 1)
+    if (given[KEY_DO] + given[KEY_ARRAY] + given[KEY_CANCEL] != 1)
         return fault_set(fault, ERR_USAGE, "expected one of the keys do, array and cancel");
     if (given[KEY_CANCEL] && given[KEY_ID])
         return fault_set(fault, ERR_USAGE, "cancel has no id of its own: it gets no answer");

@@ -424,8 +424,7 @@ void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish)
         return;
     }
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
-        const bool is_heading = !row->name && !row->help;
-        if (is_heading) {
+        if (!row->name && !row->help) { /* a heading */
             buf_add_text(out, left ? "\n" : "");
             add_heading(out, wish, row->shown);
             left = NULL;

@@ -150,8 +150,7 @@ void pilot_repeat(struct press *p)
     }
     again.event = &change.key;
     p->state->count = change.count;
-    const bool is_shape = change.row->flags & PILOT_OUTLINES;
-    if (is_shape && !(pilot_may_plant(p, false) && pilot_move_shape(p)))
+    if (change.row->flags & PILOT_OUTLINES && !(pilot_may_plant(p, false) && pilot_move_shape(p)))
         return;
     carry_out(&again, change.row);
 }

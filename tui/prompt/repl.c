@@ -315,8 +315,7 @@ enum err repl_run(const struct repl_host *host, const struct repl_options *optio
                   struct fault *fault)
 {
     bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
-    const char *name = probe_environment_now().term;
-    if (terminal && !probe_is_plain(name))
+    if (terminal && !probe_is_plain(probe_environment_now().term))
         return run_interactive(host, options, false, fault);
     return run_plain(host, terminal, fault);
 }
