@@ -194,7 +194,7 @@ static enum err keep_copy(const struct act *act, const struct volume *map,
 {
     struct interpreter *interp = act->interp;
     struct buf *path = act_buf(act);
-    struct golden_files files;
+    OWNED(golden_files_close) struct golden_files files = {.folder = -1};
     struct volume_label label[256] = {0};
     const bool only_looks = interp->journal && journal_only_looks(interp->journal);
     for (unsigned l = 0; l < 256; l++)
@@ -202,15 +202,13 @@ static enum err keep_copy(const struct act *act, const struct volume *map,
     for (size_t i = 0; i < names->count; i++) {
         const struct label_entry *entry = &names->entry[i];
         struct volume_label *of = &label[entry->number];
-        *of = (struct volume_label){.name = entry->name, .number = entry->number};
-        of->used = true;
+        *of = (struct volume_label){.name = entry->name, .number = entry->number, .used = true};
         memcpy(of->rgb, entry->rgb, sizeof of->rgb);
     }
     enum err err = find_copy(path, act, digest);
     if (err || !path->length || only_looks || file_exists(buf_text(path)))
         return err;
     err = golden_files_open(&files, buf_text(&interp->home), true, act->fault);
-    golden_files_close(&files);
     if (!err)
         err = interpreter_will_write(interp, buf_text(path), FILE_KEEP, act->fault);
     if (!err)

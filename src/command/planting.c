@@ -871,8 +871,7 @@ static enum err find_outlines(int *axis, const struct act *act)
 static enum err collect_filled(struct voxels *out, const struct act *act, const uint8_t *map,
                                size_t count)
 {
-    const struct grid *grid = &act->session->scene->grid;
-    struct grid_walk walk = grid_rows(grid, act->session->watch, "slices");
+    struct grid_walk walk = scene_walk(act->session->scene, "slices", NULL, 0);
     out->cell = mem_array(count, sizeof *out->cell);
     if (!out->cell)
         return fault_memory(act->fault, "seeds");
@@ -975,7 +974,7 @@ static enum err find_pieces(struct search *s)
 {
     const struct session *session = s->act->session;
     const struct grid *grid = &session->scene->grid;
-    struct grid_walk walk = grid_rows(grid, session->watch, "voxels in the range");
+    struct grid_walk walk = scene_walk(session->scene, "voxels in the range", NULL, 0);
     memset(s->may, 0, grid->cells);
     while (grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++) {

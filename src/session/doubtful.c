@@ -269,29 +269,23 @@ static void leave_out(struct doubt *doubt, unsigned axis, int64_t from, int64_t 
         doubt->slice[axis][at] = 0;
 }
 
-/* Copy the sums, so that slices can be excluded. */
-static enum err copy_doubt(struct doubt *copy, const struct doubt *doubt, struct fault *fault)
-{
-    const size_t slices = (size_t)doubt->size[0] + doubt->size[1] + doubt->size[2];
-    *copy = *doubt;
-    copy->slice[0] = mem_array(slices, sizeof *copy->slice[0]);
-    if (!copy->slice[0])
-        return fault_memory(fault, "doubt");
-    memcpy(copy->slice[0], doubt->slice[0], slices * sizeof *copy->slice[0]);
-    copy->slice[1] = copy->slice[0] + copy->size[0];
-    copy->slice[2] = copy->slice[1] + copy->size[1];
-    return OK;
-}
-
 enum err doubtful_find(struct doubtful_slice slice[DOUBTFUL_MOST], size_t *count,
                        struct session *session, unsigned label, struct fault *fault)
 {
-    OWNED(doubt_release) struct doubt left = {.all = 0};
-    enum err err = update_doubt(session, label, fault);
+    const struct doubt *doubt = &session->inside->doubting.doubt;
+    const enum err err = update_doubt(session, label, fault);
     *count = 0;
-    err = err ? err : copy_doubt(&left, &session->inside->doubting.doubt, fault);
     if (err)
         return err;
+    /* Copy the sums, so that slices can be excluded. */
+    const size_t slices = (size_t)doubt->size[0] + doubt->size[1] + doubt->size[2];
+    OWNED(doubt_release) struct doubt left = *doubt;
+    left.slice[0] = mem_array(slices, sizeof *left.slice[0]);
+    if (!left.slice[0])
+        return fault_memory(fault, "doubt");
+    memcpy(left.slice[0], doubt->slice[0], slices * sizeof *left.slice[0]);
+    left.slice[1] = left.slice[0] + left.size[0];
+    left.slice[2] = left.slice[1] + left.size[1];
     const struct markers *markers = &session->markers;
     unsigned axis;
     uint32_t at;
@@ -302,9 +296,7 @@ enum err doubtful_find(struct doubtful_slice slice[DOUBTFUL_MOST], size_t *count
             contour_is_area(&axis, &at, &session->scene->grid, markers, n))
             leave_out(&left, axis, (int64_t)at - 1, (int64_t)at + 1);
     }
-    for (; *count < DOUBTFUL_MOST; (*count)++) {
-        if (!doubt_worst(&left, &axis, &at))
-            break;
+    for (; *count < DOUBTFUL_MOST && doubt_worst(&left, &axis, &at); (*count)++) {
         slice[*count] = (struct doubtful_slice){axis, at, left.slice[axis][at]};
         leave_out(&left, axis, (int64_t)at - DOUBTFUL_APART + 1, (int64_t)at + DOUBTFUL_APART - 1);
     }

@@ -348,19 +348,6 @@ void session_set_watch(struct session *session, struct watch *watch)
     session->watch = watch;
 }
 
-/* Memory of the cells and everything computed from them, and of other values per voxel. */
-static size_t scene_memory(const struct session *session)
-{
-    const struct kept *kept = &session->now.kept;
-    size_t bytes = session->scene->grid.cells * sizeof(struct cell);
-    bytes += forest_memory(session->forest) + session->inside->weight_work.capacity;
-    bytes += border_memory(&session->border);
-    bytes += session->inside->mask_room ? mask_bytes(&session->scene->grid) : 0;
-    bytes += packed_memory(kept->mask) + packed_memory(kept->rest);
-    bytes += session->levels ? sizeof *session->levels : 0;
-    return bytes + packed_memory(kept->weight_map);
-}
-
 struct session_memory session_memory_parts(const struct session *session)
 {
     struct session_memory parts = {.seeds = sizeof(struct whole) +
@@ -368,7 +355,15 @@ struct session_memory session_memory_parts(const struct session *session)
                                             markers_memory(&session->markers)};
     if (!session->has_scene)
         return parts;
-    parts.scene = scene_memory(session);
+    /* the cells and everything computed from them, and other values per voxel */
+    const struct kept *kept = &session->now.kept;
+    parts.scene = session->scene->grid.cells * sizeof(struct cell);
+    parts.scene += forest_memory(session->forest) + session->inside->weight_work.capacity;
+    parts.scene += border_memory(&session->border);
+    parts.scene += session->inside->mask_room ? mask_bytes(&session->scene->grid) : 0;
+    parts.scene += packed_memory(kept->mask) + packed_memory(kept->rest);
+    parts.scene += packed_memory(kept->weight_map);
+    parts.scene += session->levels ? sizeof *session->levels : 0;
     const struct hinting *hinting = &session->inside->hinting;
     parts.answers = (hinting->heat ? hinting->cells : 0) +
                     hinting->hints.capacity * sizeof *hinting->hints.item +
