@@ -2,7 +2,6 @@
 /* Statistics of labels, and their comparison with a file. */
 #include "command/act.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"

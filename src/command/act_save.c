@@ -3,7 +3,6 @@
  * labels. */
 #include "command/act.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"

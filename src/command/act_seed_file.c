@@ -2,9 +2,6 @@
 /* The command `seed-file`. */
 #include "command/act.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/mem.h"
 #include "show/label_report.h"
 #include "show/label_table.h"

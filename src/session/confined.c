@@ -3,8 +3,6 @@
  * these voxels, so that the forest of the session stays as it is. */
 #include "session/session.h"
 
-#include <stdlib.h>
-
 #include "base/mem.h"
 #include "session/markers.h"
 #include "session/paint.h"

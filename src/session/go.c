@@ -2,7 +2,6 @@
 /* Change a session: go to a state, and recompute everything that does not fit it. */
 #include "session/session.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/mem.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "session/setting.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/choice.h"
