@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/mem.h" /* OWNED */
+#include "tests/drop.h" /* OWNED */
 
 static unsigned check_failures;   /* of the current story */
 static const char *check_missing; /* why it, or a part of it, was not done; or NULL */

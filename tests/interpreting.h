@@ -45,11 +45,10 @@ static inline bool next_line(struct buf *line, const char **lines)
 /* Execute lines, with "; " between them. */
 static inline void must(struct interpreter *interp, const char *lines)
 {
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     while (next_line(&line, &lines))
         if (!CHECK(execute(interp, buf_text(&line)) == OK))
             printf("#   %s: %s\n", buf_text(&line), fault.text);
-    buf_release(&line);
 }
 
 /* Execute lines and check that the answer to the last one is the text, or contains it. */

@@ -23,11 +23,10 @@ static inline void put(const char *path, const void *bytes, size_t length)
 
 static inline bool is_file_of(const char *path, const void *bytes, size_t length)
 {
-    struct buf found = {0};
+    OWNED(buf_release) struct buf found = {0};
     content(&found, path);
     const bool same =
         found.length == length && (length == 0 || memcmp(found.data, bytes, length) == 0);
-    buf_release(&found);
     return same;
 }
 
@@ -64,7 +63,7 @@ static inline bool journal_audit(const struct journal *journal)
     int (*const hook)(enum file_step step, const char *path) = file_step_hook;
     const struct buf *kept = journal_bytes(journal);
     struct journal_condition condition;
-    struct buf found = {0};
+    OWNED(buf_release) struct buf found = {0};
     file_step_hook = NULL;
     const bool is_fine =
         journal_check(&condition, buf_text(kept), kept->length, NULL) == OK &&
@@ -73,7 +72,6 @@ static inline bool journal_audit(const struct journal *journal)
         file_read(&found, journal_path(journal), JOURNAL_BYTES_MAX, NULL) == OK &&
         found.length == kept->length && memcmp(found.data, kept->data, kept->length) == 0;
     file_step_hook = hook;
-    buf_release(&found);
     return is_fine;
 }
 

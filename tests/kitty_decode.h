@@ -229,7 +229,7 @@ static inline bool kitty_pixels(const struct kitty_screen *k, struct decoded_png
                                 .height = kitty_value(k->keys, "v")};
     const size_t pixels = (size_t)png->width * png->height;
     uLongf length = (uLongf)(3 * pixels);
-    uint8_t *raw = calloc(pixels + 1, 3);
+    OWNED(mem_release) uint8_t *raw = calloc(pixels + 1, 3);
     png->pixel = calloc(pixels + 1, sizeof *png->pixel);
     bool fine = strcmp(kitty_key(k->keys, "o"), "z") == 0 &&
                 uncompress(raw, &length, (const Bytef *)buf_text(&k->data),
@@ -237,7 +237,6 @@ static inline bool kitty_pixels(const struct kitty_screen *k, struct decoded_png
                 length == 3 * pixels;
     for (size_t i = 0; i < pixels; i++)
         png->pixel[i] = (uint32_t)raw[3 * i] << 16 | (uint32_t)raw[3 * i + 1] << 8 | raw[3 * i + 2];
-    free(raw);
     return fine;
 }
 

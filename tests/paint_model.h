@@ -9,6 +9,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include "base/mem.h"
 #include "engine/grid.h"
 
 typedef const uint32_t (*corners_of)[3];
@@ -116,7 +117,7 @@ static inline void model_ring(bool *covers, const struct grid *grid, corners_of 
                               size_t corners, int width)
 {
     static const uint32_t ones[3] = {1, 1, 1};
-    bool *inside = calloc(grid->cells, sizeof *inside);
+    OWNED(mem_release) bool *inside = calloc(grid->cells, sizeof *inside);
     int axis = 0;
     for (size_t i = 0; i < corners && axis < 3; i++)
         if (corner[i][axis] != corner[0][axis]) {
@@ -134,7 +135,6 @@ static inline void model_ring(bool *covers, const struct grid *grid, corners_of 
     }
     for (uint32_t cell = 0; cell < grid->cells; cell++)
         covers[cell] &= !inside[cell];
-    free(inside);
 }
 
 #endif

@@ -375,9 +375,9 @@ static inline void random_session(uint64_t seed, unsigned steps, bool has_reache
     static const uint32_t most[3] = {9, 7, 6};
     static struct planted planted;
     uint64_t random = seed;
-    struct world w = random_world(&random, most, has_reaches);
+    OWNED(world_free) struct world w = random_world(&random, most, has_reaches);
     struct fault fault = {0};
-    struct border border;
+    OWNED(border_release) struct border border;
     CHECK(border_init(&border, w.scene, NULL) == OK);
     CHECK(forest_set_team(w.forest, team, NULL) == OK);
     for (size_t c = 0; c < CELLS_MOST; c++) {
@@ -401,8 +401,6 @@ static inline void random_session(uint64_t seed, unsigned steps, bool has_reache
         }
         holes_seen += refused(&w);
     }
-    border_release(&border);
-    world_free(&w);
 }
 
 #endif

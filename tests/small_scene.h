@@ -206,12 +206,11 @@ static inline void fits_its_state(const struct session *session)
     CHECK(session->roi.low == roi.low && session->roi.high == roi.high);
     CHECK(!session->roi.mask == !kept->mask);
     const size_t bytes = mask_bytes(&session->scene->grid);
-    uint64_t *bits = kept->mask ? malloc(bytes) : NULL;
+    OWNED(mem_release) uint64_t *bits = kept->mask ? malloc(bytes) : NULL;
     if (bits) {
         CHECK(packed_take_out(kept->mask, bits, NULL, NULL) == OK);
         CHECK(memcmp(bits, session->roi.mask, bytes) == 0);
     }
-    free(bits);
 }
 
 /* S6: the seeds, changed by the pending edits, are those of the active markers. */

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "engine/surface.h"
 
 static inline int surface_number_order(const void *a, const void *b)
@@ -19,6 +20,7 @@ static inline int surface_number_order(const void *a, const void *b)
 static inline bool surface_is_closed(const struct surface *s)
 {
     const size_t edges = 3 * s->triangles;
+    OWNED(mem_release)
     uint64_t *ahead = calloc(edges + 1, sizeof *ahead), *back = calloc(edges + 1, sizeof *back);
     bool holds = true;
     for (size_t i = 0; i < edges; i++) {
@@ -32,8 +34,6 @@ static inline bool surface_is_closed(const struct surface *s)
     qsort(back, edges, sizeof *back, surface_number_order);
     for (size_t i = 0; i < edges; i++)
         holds &= ahead[i] == back[i] && (i == 0 || ahead[i - 1] != ahead[i]);
-    free(ahead);
-    free(back);
     return holds;
 }
 

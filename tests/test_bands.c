@@ -71,7 +71,7 @@ static bool bands_agree(struct stage *s, const struct rendition *whole)
     static projection *const projections[] = {project_border, project_scene, project_rays};
     bool fine = true;
     for (uint32_t i = 0; fine && i < 5; i++) {
-        struct rendition out;
+        OWNED(rendition_release) struct rendition out = {0};
         const struct bands bands = {.project = projections[i % 3],
                                     .camera = &s->camera,
                                     .mesh = &s->mesh,
@@ -85,7 +85,6 @@ static bool bands_agree(struct stage *s, const struct rendition *whole)
         CHECK(bands_draw(i % 2 ? NULL : &out, &bands, NULL) == OK);
         fine = CHECK(stage_same_pixels(whole, &out, "bands"));
         CHECK_INT(sum_of_rows(&out), rendition_digest(whole));
-        rendition_release(&out);
     }
     return fine;
 }

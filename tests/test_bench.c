@@ -283,7 +283,7 @@ STORY(the_first_pixel_that_differs_is_named)
     const struct grid *grid;
     OWNED(rendition_release) struct rendition a = {0}, b = {0};
     struct fault fault = {0};
-    struct scene *scene;
+    OWNED(scene_drop) struct scene *scene;
     CHECK(scene_new(&scene, (uint32_t[]){3, 3, 3}, NULL) == OK);
     grid = &scene->grid;
     CHECK(rendition_init(&a, 9, 7, NULL) == OK && rendition_init(&b, 9, 7, NULL) == OK);
@@ -302,7 +302,6 @@ STORY(the_first_pixel_that_differs_is_named)
     b.label[38] = 3;
     CHECK(!trial_same_picture(&a, &b, grid, &fault));
     CHECK_TEXT(fault.text, "pixel 2,4 shows nothing of label 0, not voxel 0,1,2 of label 3");
-    scene_free(scene);
 }
 
 /* ---- figures ---- */
@@ -335,7 +334,7 @@ STORY(means_leave_the_first_step_out)
 STORY(the_summary_is_readable_in_100_columns)
 {
     const struct trial trial[2] = {made_trial("brain"), made_trial("geom222")};
-    char *text = NULL;
+    OWNED(mem_release) char *text = NULL;
     size_t length = 0;
     FILE *out = open_memstream(&text, &length);
     if (!CHECK(out != NULL))
@@ -348,7 +347,6 @@ STORY(the_summary_is_readable_in_100_columns)
         CHECK(n <= 100);
         at += n + (at[n] == '\n');
     }
-    free(text);
 }
 
 /* ---- times ---- */

@@ -252,13 +252,13 @@ STORY(sections_far_apart_are_moved_towards_each_other)
 static unsigned restore(bool (*holds)(double x, double y, double z), const char *name)
 {
     const uint32_t sides[3] = {64, 64, 64}, nm[3] = {1000000, 1000000, 1000000};
-    uint8_t *given = NULL;
+    OWNED(mem_release) uint8_t *given = NULL;
     struct between_tally tally = {0};
     uint64_t both = 0, one = 0;
     CHECK(grid_init(&grid, sides, NULL) == OK);
     if (!CHECK((given = calloc(grid.cells, 1)) != NULL))
         return 0;
-    bool *covers = calloc(grid.cells, sizeof *covers);
+    OWNED(mem_release) bool *covers = calloc(grid.cells, sizeof *covers);
     EACH_VOXEL(&grid, holds(x, y, z));
     for (uint32_t c = 0; c < grid.cells; c++)
         given[c] = covers[c] && grid_place(&grid, c).z % 8 == 3;
@@ -271,8 +271,6 @@ static unsigned restore(bool (*holds)(double x, double y, double z), const char 
         }
     }
     printf("# %s: Dice %.3f\n", name, 2.0 * (double)both / (double)one);
-    free(covers);
-    free(given);
     return (unsigned)(200 * both / one);
 }
 

@@ -584,7 +584,7 @@ SCENE_STORY(an_error_names_the_expected_form)
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++)
         is_refused(interp, row[i][0], row[i][1]);
-    char *lengthy = malloc(100001);
+    OWNED(mem_release) char *lengthy = malloc(100001);
     if (CHECK(lengthy != NULL)) {
         memset(lengthy, 'a', 100000);
         lengthy[100000] = '\0';
@@ -592,7 +592,6 @@ SCENE_STORY(an_error_names_the_expected_form)
         lengthy[4000] = '\0';
         is_refused(interp, lengthy, "unknown command aaaa");
     }
-    free(lengthy);
 }
 
 /* Check the word under the caret of an error; "" for a position behind the end. */

@@ -43,6 +43,7 @@ static void check_distances(const uint32_t size[3], const uint32_t spacing_nm[3]
 {
     const size_t voxels = (size_t)size[0] * size[1] * size[2];
     const struct distance_scale scale = distance_scale_of(spacing_nm, size);
+    OWNED(mem_release)
     uint64_t *from = mem_array(voxels, sizeof *from), *squared = mem_array(voxels, sizeof *from);
     for (size_t i = 0; i < voxels; i++)
         squared[i] = from[i] = check_below(&seed, chance) ? DISTANCE_NONE : 0;
@@ -50,13 +51,11 @@ static void check_distances(const uint32_t size[3], const uint32_t spacing_nm[3]
     for (size_t i = 0; i < voxels; i++)
         if (!CHECK(squared[i] == nearest(from, &scale, size, i)))
             break;
-    free(from);
-    free(squared);
 }
 
 STORY(distances_are_those_to_the_nearest_voxel)
 {
-    struct team *team;
+    OWNED(team_drop) struct team *team;
     CHECK(team_new(&team, 3, NULL) == OK);
     for (int i = 0; i < 400; i++) {
         const uint32_t size[3] = {1 + check_below(&seed, 13), 1 + check_below(&seed, 11),
@@ -68,7 +67,6 @@ STORY(distances_are_those_to_the_nearest_voxel)
             spacing_nm[i % 2] = 957031;
         check_distances(size, spacing_nm, 2 + check_below(&seed, 60), i % 2 ? team : NULL);
     }
-    team_free(team);
 }
 
 STORY(units_divide_the_spacing_as_long_as_squares_fit)
@@ -233,7 +231,7 @@ static int compare_doubles(const void *a, const void *b)
 
 static void check_label(const struct slow *s, const struct label_distances *d)
 {
-    double *surface = mem_array(s->voxels, sizeof *surface);
+    OWNED(mem_release) double *surface = mem_array(s->voxels, sizeof *surface);
     double hausdorff = 0, sum = 0, percentile = 0;
     size_t count = 0;
     bool has_surfaces = true;
@@ -264,7 +262,6 @@ static void check_label(const struct slow *s, const struct label_distances *d)
         CHECK(fabs(d->mean_mm - sum / (double)count) < 1e-9);
         CHECK(fabs(d->percentile_95_mm - percentile) < 1e-9);
     }
-    free(surface);
 }
 
 /* Boxes of random labels, of which B has some moved. */
@@ -294,7 +291,7 @@ static void paint(const struct compared *c)
 STORY(random_labels_are_as_far_apart_as_a_slow_computation_finds)
 {
     static struct comparison comparison;
-    struct team *team;
+    OWNED(team_drop) struct team *team;
     CHECK(team_new(&team, 2, NULL) == OK);
     for (int i = 0; i < 60; i++) {
         struct compared c = {.size = {2 + check_below(&seed, 7), 2 + check_below(&seed, 7),
@@ -316,7 +313,6 @@ STORY(random_labels_are_as_far_apart_as_a_slow_computation_finds)
         free(c.label[0]);
         free(c.label[1]);
     }
-    team_free(team);
 }
 
 /* ---- stopped ---- */
@@ -358,7 +354,7 @@ STORY(classes_are_signed_distances_to_the_contour_of_b)
     struct compared c = {{BOX, BOX, BOX}, {1000000, 1000000, 1000000}, {a, b}};
     struct grid grid;
     CHECK(grid_init(&grid, c.size, NULL) == OK);
-    uint8_t *class = mem_new(grid.cells);
+    OWNED(mem_release) uint8_t *class = mem_new(grid.cells);
     for (int i = 0; i < BOX * BOX * BOX; i++) {
         const int at[3] = {i % BOX, i / BOX % BOX, i / BOX / BOX};
         bool in_a = true, in_b = true;
@@ -384,5 +380,4 @@ STORY(classes_are_signed_distances_to_the_contour_of_b)
     CHECK(comparison_classify(class, &grid, &c, 1.5, NULL, NULL, NULL) == OK);
     CHECK_INT(class_at(class, &grid, 4, 3, 4), 128 - 85);
     CHECK_INT(class_at(class, &grid, 2, 4, 4), 0);
-    free(class);
 }

@@ -68,7 +68,7 @@ static void check_status(int process)
 
 STORY(the_image_helper_is_confined_before_the_first_pixel)
 {
-    struct image_helper *helper = NULL;
+    OWNED(image_helper_drop) struct image_helper *helper = NULL;
     OWNED(picture_release) struct picture picture;
     CHECK_INT(image_helper_new(&helper, built_program("iftty-image"), NULL), OK);
     struct image_movie movie = {helper, file_in(folder, "a.gif"), .mode = FILE_REPLACE};
@@ -82,7 +82,6 @@ STORY(the_image_helper_is_confined_before_the_first_pixel)
     image_movie_abandon(&movie);
     WAIT_UNTIL(!works(worker));
     CHECK(child_of(getpid()) == 0 && !works(worker));
-    image_helper_free(helper);
 }
 
 STORY(the_volume_helper_is_confined_before_it_answers)
@@ -135,12 +134,11 @@ STORY(the_register_helper_reaches_nothing)
 static const char *image_fault(const char *name)
 {
     static struct fault fault;
-    struct image_helper *helper = NULL;
+    OWNED(image_helper_drop) struct image_helper *helper = NULL;
     struct picture picture;
     fault = (struct fault){0};
     CHECK_INT(image_helper_new(&helper, built_program("tests/probe/iftty-image"), NULL), OK);
     CHECK(image_helper_read(helper, file_with(name, "x"), &picture, &fault) != OK);
-    image_helper_free(helper);
     return fault.text;
 }
 

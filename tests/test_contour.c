@@ -105,7 +105,7 @@ static size_t find_piece(void)
     const uint32_t *size = scene.grid.size;
     if (label[cell_of(from[across[0]], from[across[1]])] == LABEL)
         return grow(piece, from[across[0]], from[across[1]]);
-    bool *one = mem_new(scene.grid.cells), *done = mem_new(scene.grid.cells);
+    OWNED(mem_release) bool *one = mem_new(scene.grid.cells), *done = mem_new(scene.grid.cells);
     size_t most = 0;
     for (int64_t r = 0; r < size[across[1]]; r++)
         for (int64_t c = 0; c < size[across[0]]; c++) {
@@ -119,8 +119,6 @@ static size_t find_piece(void)
                 memcpy(piece, one, scene.grid.cells * sizeof *one);
             most = count > most ? count : most;
         }
-    free(one);
-    free(done);
     return most;
 }
 
@@ -181,7 +179,7 @@ STORY(the_polygon_of_a_contour_is_the_piece_at_a_place_or_the_largest)
         CHECK(contour_of_label(&line, &labels, LABEL, axis, from, NULL) == OK);
         CHECK((line.count > 0) == (voxels > 0) && line.count <= CONTOUR_CORNERS_MOST);
         if (line.count) {
-            bool *hole = find_holes(), *has = mem_new(scene.grid.cells);
+            OWNED(mem_release) bool *hole = find_holes(), *has = mem_new(scene.grid.cells);
             CHECK(paint_polygon(&filled, &scene.grid, (corners_of)line.corner, line.count, NULL,
                                 NULL) == OK);
             for (size_t i = 0; i < filled.count; i++)
@@ -195,8 +193,6 @@ STORY(the_polygon_of_a_contour_is_the_piece_at_a_place_or_the_largest)
                     of_piece += wanted;
                     of_polygon += has[cell];
                 }
-            free(hole);
-            free(has);
         }
         voxels_release(&filled);
         polyline_release(&line);

@@ -50,8 +50,8 @@ static void cut_as(struct border *border, const struct cut *cut)
 
 STORY(slabs_boxes_and_planes_take_what_they_say)
 {
-    struct border border;
-    struct scene *scene = hand_scene(&border);
+    OWNED(border_release) struct border border;
+    OWNED(scene_drop) struct scene *scene = hand_scene(&border);
     const struct grid *grid = &scene->grid;
     struct cut cut = cut_none();
     CHECK(cut_is_none(&cut));
@@ -108,14 +108,12 @@ STORY(slabs_boxes_and_planes_take_what_they_say)
         stage_plane_through(scene, (uint32_t[]){3, 3, 0}, (int32_t[]){-(1 << 29), -(1 << 29), 0});
     cut_as(&border, &cut);
     CHECK(shows(&border, 3, 3, 0) && shows(&border, 2, 3, 0) && !shows(&border, 4, 3, 0));
-    border_release(&border);
-    scene_free(scene);
 }
 
 STORY(planes_of_any_spacing_keep_their_voxel_and_fit_64_bits)
 {
     uint64_t random = 7;
-    struct scene *scene = NULL;
+    OWNED(scene_drop) struct scene *scene = NULL;
     CHECK(scene_new(&scene, (uint32_t[]){2, 2, 2}, NULL) == OK);
     for (int round = 0; round < 20000 && check_failures == 0; round++) {
         uint32_t place[3];
@@ -134,7 +132,6 @@ STORY(planes_of_any_spacing_keep_their_voxel_and_fit_64_bits)
         }
         CHECK(along == plane.least);
     }
-    scene_free(scene);
 }
 
 /* ---- at random ---- */

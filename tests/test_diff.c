@@ -147,12 +147,11 @@ static void begin(struct interpreter *interp, const char *seed)
 static bool shows(const struct picture *picture, uint32_t left, uint32_t top,
                   const struct session *session)
 {
-    struct canvas frame;
+    OWNED(canvas_release) struct canvas frame;
     bool same = CHECK(session_show_frame(&frame, session, NULL) == OK);
     for (size_t y = 0; same && y < frame.height; y++)
         same = memcmp(picture->rgba + 4 * ((y + top) * picture->width + left),
                       canvas_pixel(&frame, 0, y), (size_t)4 * frame.width) == 0;
-    canvas_release(&frame);
     return same;
 }
 
@@ -190,7 +189,7 @@ STORY(the_picture_shows_both_and_where_they_differ)
     begin(&b, "seed 33,33,14 2");
     CHECK(session_render(a.session, RENDER_RAY, NULL) == OK);
     CHECK(session_render(b.session, RENDER_RAY, NULL) == OK);
-    uint8_t *label_a = labels_of(a.session), *label_b = labels_of(b.session);
+    OWNED(mem_release) uint8_t *label_a = labels_of(a.session), *label_b = labels_of(b.session);
     /* A keeps its rendition only until it is drawn over. */
     static struct interpreter again;
     begin(&again, "seed 6,6,4 2");
@@ -213,8 +212,6 @@ STORY(the_picture_shows_both_and_where_they_differ)
     for (size_t i = 0; i < (size_t)picture.width * picture.height; i++)
         if (!CHECK(picture.rgba[4 * i + 3] == 255))
             break;
-    free(label_a);
-    free(label_b);
     interpreter_release(&a);
     interpreter_release(&b);
     interpreter_release(&again);
@@ -225,11 +222,10 @@ STORY(where_nothing_differs_all_is_grey)
     static struct interpreter a;
     OWNED(picture_release) struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
-    uint8_t *label = labels_of(a.session);
+    OWNED(mem_release) uint8_t *label = labels_of(a.session);
     draw(&picture, &a, label, label);
     CHECK_INT(coloured(&picture, 2 * 122, 19, 119, RED, BLUE), 0);
     CHECK_INT(coloured(&picture, 2 * 122, 19, 119, BLUE, RED), 0);
-    free(label);
     interpreter_release(&a);
 }
 
@@ -239,8 +235,8 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
     static struct interpreter a;
     struct picture picture = {0};
     begin(&a, "seed 6,6,4 2");
-    uint8_t *label = labels_of(a.session);
-    uint8_t *other = malloc(a.session->scene->grid.voxels);
+    OWNED(mem_release) uint8_t *label = labels_of(a.session);
+    OWNED(mem_release) uint8_t *other = malloc(a.session->scene->grid.voxels);
     for (size_t i = 0; i < a.session->scene->grid.voxels; i++)
         other[i] = label[i] == 2 ? 0 : label[i];
     must(&a, "hide 2");
@@ -265,7 +261,5 @@ STORY(what_is_hidden_does_not_differ_and_sizes_are_judged)
         .name = {"a", "b"}, .label = {label, other}, .overlap = &overlap};
     CHECK(difference_picture_draw(&picture, a.session, &difference_picture, NULL) == ERR_LIMIT);
     picture_release(&picture);
-    free(label);
-    free(other);
     interpreter_release(&a);
 }

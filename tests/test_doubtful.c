@@ -56,7 +56,7 @@ static bool is_left_out(unsigned axis, uint32_t at, unsigned label,
 static size_t choose(struct doubtful_slice chosen[DOUBTFUL_MOST], unsigned label)
 {
     struct session *session = interp.session;
-    struct doubt doubt;
+    OWNED(doubt_release) struct doubt doubt = {0};
     size_t count = 0;
     CHECK(doubt_find(&doubt, &session->now.kept.finish, session->scene, NULL, label, NULL) == OK);
     for (bool found = true; found && count < DOUBTFUL_MOST; count += found) {
@@ -70,7 +70,6 @@ static size_t choose(struct doubtful_slice chosen[DOUBTFUL_MOST], unsigned label
         if (found)
             chosen[count] = best;
     }
-    doubt_release(&doubt);
     return count;
 }
 

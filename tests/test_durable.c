@@ -22,12 +22,11 @@ static enum err open_again(struct journal **journal, const char *path, struct fa
 /* The file at `path` is a sound journal of `records`. */
 static void holds(const char *path, size_t records)
 {
-    struct journal *journal;
+    OWNED(journal_drop) struct journal *journal;
     if (!CHECK(open_again(&journal, path, NULL) == OK))
         return;
     CHECK_INT(journal_count(journal), records);
     CHECK(journal_audit(journal));
-    journal_close(journal);
 }
 
 /* ---- a file that is not what it was ---- */
@@ -251,7 +250,7 @@ STORY(what_a_failed_sync_may_have_lost_is_written_again)
 STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
 {
     const char *path = "views.iftty";
-    struct journal *journal = make_journal(path, 1);
+    OWNED(journal_drop) struct journal *journal = make_journal(path, 1);
     syncs = bad_syncs = 0;
     file_step_hook = count_syncs;
     for (size_t n = 2; n <= 6; n++)
@@ -280,7 +279,6 @@ STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
     CHECK(append(journal, 10, NULL) == OK);
     file_step_hook = NULL;
     CHECK(journal_audit(journal));
-    journal_close(journal);
 }
 
 static unsigned threads(void)
@@ -297,12 +295,11 @@ static unsigned threads(void)
 STORY(where_nothing_is_to_be_synced_nothing_waits_for_it)
 {
     const char *path = "off.iftty";
-    struct journal *journal = make_journal(path, 1);
+    OWNED(journal_drop) struct journal *journal = make_journal(path, 1);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
     const unsigned before = threads();
     CHECK(before > 0 && journal_append(journal, "turn 15", NULL, NULL) == OK);
     CHECK_INT(threads(), before);
-    journal_close(journal);
 }
 
 /* ---- others ---- */

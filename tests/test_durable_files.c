@@ -57,7 +57,7 @@ static uint64_t digest_below(const char *path)
 {
     uint64_t sum = 0;
     char name[FILE_LENGTH + 256];
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     DIR *listing = opendir(path);
     for (const struct dirent *entry; listing && (entry = readdir(listing));) {
         uint64_t digest = UINT64_C(14695981039346656037);
@@ -77,7 +77,6 @@ static uint64_t digest_below(const char *path)
     }
     if (listing)
         closedir(listing);
-    buf_release(&bytes);
     return sum;
 }
 
@@ -199,7 +198,7 @@ static void reseal_it(struct interpreter *interp)
 /* Between the look at the folder and the removal. */
 static void remove_it(struct interpreter *interp)
 {
-    struct golden_files files;
+    OWNED(golden_files_close) struct golden_files files = {0};
     OWNED(buf_release) struct buf bytes = {0};
     (void)interp;
     CHECK(golden_files_open(&files, "s.iftty", false, &fault) == OK);
@@ -211,7 +210,6 @@ static void remove_it(struct interpreter *interp)
     }
     may_fail = false;
     CHECK(golden_files_remove(&files, "last.exr", &fault) == OK);
-    golden_files_close(&files);
 }
 
 static const char *const golden_files[] = {"first.exr", "first.png", "last.exr", "last.png"};

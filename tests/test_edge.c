@@ -109,14 +109,13 @@ static bool in_left(int x, int y, int z)
  * by: pixels in all. */
 static double taken(struct stage *s, uint32_t samples)
 {
+    OWNED(rendition_release)
     struct rendition plain = draw(s, samples, false), lined = draw(s, samples, true);
     double sum = 0;
     for (uint32_t y = 20; y < PIXELS - 20; y++)
         for (uint32_t x = 20; x < PIXELS - 20; x++)
             if (red_at(&plain, x, y))
                 sum += 1 - pow((double)red_at(&lined, x, y) / red_at(&plain, x, y), 2);
-    rendition_release(&plain);
-    rendition_release(&lined);
     return sum;
 }
 

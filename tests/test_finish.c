@@ -367,10 +367,9 @@ STORY(a_stop_is_heard_wherever_it_comes)
     const struct finish_list list = all_steps();
     state = 7;
     fill(&v, 7);
-    struct scene *scene = scene_of(&v);
+    OWNED(scene_drop) struct scene *scene = scene_of(&v);
     model(&v, &list);
     CHECK(stop_finish_everywhere(scene, &list, agree, &v) > 50);
-    scene_free(scene);
 }
 
 STORY(memory_that_runs_out_is_an_error)
@@ -379,8 +378,7 @@ STORY(memory_that_runs_out_is_an_error)
     const struct finish_list list = all_steps();
     state = 8;
     fill(&v, 7);
-    struct scene *scene = scene_of(&v);
+    OWNED(scene_drop) struct scene *scene = scene_of(&v);
     model(&v, &list);
     CHECK(starve_finish_everywhere(scene, &list, agree, &v) > 10);
-    scene_free(scene);
 }

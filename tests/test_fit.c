@@ -75,7 +75,7 @@ static void check_fit(const struct world *w, const struct view *view)
     struct view wide = *view;
     struct camera camera;
     struct mesh mesh = {0};
-    struct rendition r;
+    OWNED(rendition_release) struct rendition r = {0};
     uint32_t box[2][2];
     const uint32_t size[2] = {view->width, view->height}, beyond = 60;
     const uint32_t margin = (size[0] < size[1] ? size[0] : size[1]) / FIT_MARGIN;
@@ -109,7 +109,6 @@ static void check_fit(const struct world *w, const struct view *view)
      * an oblique sheet may lie outside the scene, and its nearest voxel off the sheet. */
     CHECK(most >= 850 || view->zoom > VIEW_ZOOM_MOST * 7 / 8 || voxel > 256 / 4 * 7 / 8 ||
           view->zoom < 2 * VIEW_ZOOM_ONE);
-    rendition_release(&r);
 }
 
 STORY(what_is_shown_fills_the_picture_from_everywhere)
@@ -195,8 +194,7 @@ static bool same_picture(const char *a, const char *b)
 {
     OWNED(picture_release) struct picture p = {0}, q = {0};
     const bool read = CHECK(exr_read(&p, a, NULL) == OK) && CHECK(exr_read(&q, b, NULL) == OK);
-    const bool same = read && memcmp(p.rgba, q.rgba, (size_t)4 * p.width * p.height) == 0;
-    return same;
+    return read && memcmp(p.rgba, q.rgba, (size_t)4 * p.width * p.height) == 0;
 }
 
 /* Each turn begins with the view, and turns one of its angles. */

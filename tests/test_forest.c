@@ -181,7 +181,7 @@ STORY(no_tree_passes_a_roi)
     const uint64_t before = forest_digest(w.forest);
     put_up(&w, &none);
     CHECK_TEXT(row_labels(&w), "1111111");
-    uint64_t *bits = mem_new(mask_bytes(&w.scene->grid));
+    OWNED(mem_release) uint64_t *bits = mem_new(mask_bytes(&w.scene->grid));
     mask.mask = bits;
     for (uint32_t x = 0; bits && x < 5; x++) {
         const uint32_t c = grid_cell(&w.scene->grid, x, 0, 0);
@@ -198,7 +198,6 @@ STORY(no_tree_passes_a_roi)
     CHECK_INT(roi_tally(&mask, w.scene).seeds_outside, 0);
     plant_at(&w, 4, 0, 0, 1);
     CHECK_INT(roi_tally(&mask, w.scene).seeds_outside, 1);
-    free(bits);
 }
 
 STORY(changes_name_each_voxel_that_got_another_label_once)
@@ -434,7 +433,7 @@ STORY(what_is_shown_as_final_has_its_label_for_good)
 {
     uint64_t random = 11;
     unsigned shows = 0, finals = 0;
-    struct team *team;
+    OWNED(team_drop) struct team *team;
     if (!CHECK(team_new(&team, 3, NULL) == OK))
         return;
     for (unsigned round = 0; round < check_scaled(120) && check_failures == 0; round++) {
@@ -458,15 +457,14 @@ STORY(what_is_shown_as_final_has_its_label_for_good)
         free(batch);
     }
     CHECK(shows > check_scaled(1000) && finals > check_scaled(10000));
-    team_free(team);
 }
 
 /* Everything that allocates, once; true when it went through. */
 static bool live_once(uint64_t seed)
 {
     uint64_t random = seed;
-    struct world w = {0};
-    struct border border = {0};
+    OWNED(world_free) struct world w = {0};
+    OWNED(border_release) struct border border = {0};
     struct fault fault = {0};
     uint32_t size[3] = {1 + check_below(&random, 9), 7, 5};
     struct edit batch[40];
@@ -489,8 +487,6 @@ static bool live_once(uint64_t seed)
 end:
     if (!done)
         CHECK_HAS(fault.text, "out of memory");
-    border_release(&border);
-    world_free(&w);
     return done;
 }
 

@@ -38,7 +38,7 @@ STORY(a_tree_has_the_voxels_that_name_its_root)
         must(&interp, "run");
         const struct session *session = interp.session;
         const struct scene *scene = session->scene;
-        uint32_t *voxels = calloc(scene->grid.cells, sizeof *voxels);
+        OWNED(mem_release) uint32_t *voxels = calloc(scene->grid.cells, sizeof *voxels);
         for (uint32_t c = 0; c < scene->grid.cells; c++)
             if (cell_is_reached(scene->cell + c))
                 voxels[key_root(scene->cell[c].key)]++;
@@ -52,7 +52,6 @@ STORY(a_tree_has_the_voxels_that_name_its_root)
             if (all > 3)
                 CHECK_INT(tree_voxels(session->forest, c, 2), 3);
         }
-        free(voxels);
     }
 }
 
@@ -61,11 +60,10 @@ STORY(a_tree_has_the_voxels_that_name_its_root)
 /* The marker that `remove` would take from a voxel; 0 for none. */
 static uint32_t marker_of(const struct session *session, uint32_t cell)
 {
-    uint32_t *number;
+    OWNED(mem_release) uint32_t *number = NULL;
     size_t numbers;
     const enum err err = session_find_markers(session, &cell, 1, &number, &numbers, NULL);
     const uint32_t found = err == OK ? *number : 0;
-    free(number);
     return found;
 }
 

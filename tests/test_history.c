@@ -322,7 +322,7 @@ STORY(without_memory_one_stays_where_one_is)
     struct interpreter interp;
     unsigned refused = 0;
     const char *threads = getenv("IFTTY_THREADS");
-    char *kept = strdup(threads ? threads : "0");
+    OWNED(mem_release) char *kept = strdup(threads ? threads : "0");
     setenv("IFTTY_THREADS", "2", 1);
     begin_with_history(&interp);
     for (size_t i = 0; i < TRAVELS; i++)
@@ -330,7 +330,6 @@ STORY(without_memory_one_stays_where_one_is)
     CHECK(refused > 3 * TRAVELS);
     interpreter_release(&interp);
     setenv("IFTTY_THREADS", kept, 1);
-    free(kept);
 }
 
 SCENE_STORY(without_memory_a_marker_stands_as_it_did)

@@ -67,15 +67,13 @@ static struct picture written(const struct picture *p)
 
 static bool comes_back_as(uint32_t width, uint32_t height, bool all_planes, bool tiled)
 {
-    struct picture p = sample(width, height, all_planes), q;
+    OWNED(picture_release) struct picture p = sample(width, height, all_planes), q = {0};
     struct fault fault = {0};
     p.tiled = tiled;
     bool fine = CHECK(strips_write(&exr_strips, path, FILE_REPLACE, &p, &fault) == OK) &&
                 CHECK(exr_read(&q, path, &fault) == OK) && CHECK(same(&p, &q));
     if (!fine)
         printf("#   %ux%u%s: %s\n", width, height, tiled ? " tiled" : "", fault.text);
-    picture_release(&p);
-    picture_release(&q);
     return fine;
 }
 
@@ -267,14 +265,12 @@ static void patch(const void *from, const void *to, size_t length)
 static const char *refusal(const void *from, const void *to, size_t length)
 {
     static struct fault fault;
-    struct picture p = sample(8, 8, true), q;
+    OWNED(picture_release) struct picture p = sample(8, 8, true), q = {0};
     fault = (struct fault){0};
     CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, NULL), OK);
     patch(from, to, length);
     CHECK(exr_read(&q, path, &fault) != OK && q.rgba == NULL && q.attributes == 0);
     CHECK(strchr(fault.text, '\n') == NULL);
-    picture_release(&p);
-    picture_release(&q);
     return fault.text;
 }
 

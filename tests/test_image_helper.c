@@ -116,13 +116,12 @@ STORY(the_same_picture_gives_the_same_bytes)
 
 STORY(exr_goes_without_the_helper)
 {
-    struct image_helper *none;
+    OWNED(image_helper_drop) struct image_helper *none = NULL;
     OWNED(picture_release) struct picture p = sample(9, 9), q;
     CHECK_INT(image_helper_new(&none, "/nonexistent/iftty-image", NULL), OK);
     CHECK_INT(image_write(none, file_in(folder, "a.exr"), FILE_REPLACE, &p, NULL), OK);
     CHECK_INT(exr_read(&q, file_in(folder, "a.exr"), NULL), OK);
     CHECK(q.voxel != NULL && memcmp(p.rgba, q.rgba, 9 * 9 * 4) == 0);
-    image_helper_free(none);
 }
 
 STORY(a_name_without_a_known_format_is_told_off)
@@ -191,7 +190,7 @@ STORY(damaged_images_never_end_the_session)
 static const char *write_frames(const char *name, unsigned frames, unsigned delay_ms)
 {
     static struct fault fault;
-    struct picture p = sample(40, 30);
+    OWNED(picture_release) struct picture p = sample(40, 30);
     struct image_movie movie = {helper, file_in(folder, name), .mode = FILE_REPLACE};
     fault = (struct fault){0};
     enum err err = image_movie_begin(&movie, &p, frames, delay_ms, &fault);
@@ -202,7 +201,6 @@ static const char *write_frames(const char *name, unsigned frames, unsigned dela
     }
     if (!err)
         image_movie_end(&movie, &fault);
-    picture_release(&p);
     return fault.text;
 }
 
@@ -263,26 +261,24 @@ static struct image_helper *scripted(const char *script)
 static const char *failure(const char *script, bool writing)
 {
     static struct fault fault;
-    struct image_helper *odd = scripted(script);
+    OWNED(image_helper_drop) struct image_helper *odd = scripted(script);
     struct picture p = sample(writing ? 1500 : 4, 1000), q = {0};
     fault = (struct fault){0};
     enum err err = writing ? image_write(odd, file_in(folder, "x.tif"), FILE_REPLACE, &p, &fault)
                            : image_helper_read(odd, file_in(folder, "x.png"), &q, &fault);
     CHECK(err != OK && q.rgba == NULL);
-    image_helper_free(odd);
     picture_release(&p);
     return fault.text;
 }
 
 STORY(a_missing_helper_is_named)
 {
-    struct image_helper *none;
+    OWNED(image_helper_drop) struct image_helper *none = NULL;
     struct picture q;
     struct fault fault = {0};
     CHECK_INT(image_helper_new(&none, "/nonexistent/iftty-image", NULL), OK);
     CHECK_INT(image_helper_read(none, "a.png", &q, &fault), ERR_IO);
     CHECK_HAS(fault.text, "cannot start the image helper /nonexistent/iftty-image: No such file");
-    image_helper_free(none);
 }
 
 STORY(a_helper_that_ends_or_dies_is_told)
@@ -328,11 +324,10 @@ STORY(facts_that_make_no_sense_are_told)
         struct fault fault = {0};
         struct image_facts facts;
         snprintf(script, sizeof script, "printf '%s'; sleep 9", answer[i]);
-        struct image_helper *odd = scripted(script);
+        OWNED(image_helper_drop) struct image_helper *odd = scripted(script);
         CHECK_INT(image_helper_about(odd, file_in(folder, "x.png"), &facts, &fault), ERR_IO);
         CHECK_HAS(fault.text, "sent an invalid answer");
         CHECK(facts.format == NULL && facts.channels == NULL);
-        image_helper_free(odd);
     }
 }
 
@@ -376,11 +371,11 @@ static const char *ask_its_memory(void)
 {
     static struct fault fault;
     struct picture q;
+    OWNED(image_helper_drop)
     struct image_helper *modest = scripted("read line; words=$(ulimit -d)\n"
                                            "printf 'error %d\\n%s' ${#words} $words; sleep 9");
     fault = (struct fault){0};
     CHECK_INT(image_helper_read(modest, "a.png", &q, &fault), ERR_INPUT);
-    image_helper_free(modest);
     return fault.text;
 }
 

@@ -97,9 +97,8 @@ static void put_sform(struct made *m, const float row[12])
 
 static void save(const char *path, const void *bytes, size_t length)
 {
-    FILE *file = fopen(path, "wb");
+    OWNED(stream_release) FILE *file = fopen(path, "wb");
     fwrite(bytes, 1, length, file);
-    fclose(file);
 }
 
 static void save_packed(const char *path, const void *bytes, size_t length)
@@ -123,11 +122,10 @@ static struct volume read_made(const struct made *m)
 static const char *refusal_of(const char *path)
 {
     static struct fault fault;
-    struct volume v;
+    OWNED(volume_release) struct volume v = {0};
     fault = (struct fault){0};
     CHECK(volume_read(&v, path, NULL, NULL, &fault) != OK && v.intensity == NULL && v.size[0] == 0);
     CHECK(strpbrk(fault.text, "\n\033") == NULL);
-    volume_release(&v);
     return fault.text;
 }
 
@@ -261,9 +259,8 @@ static void save_in_members(const char *path, const struct made *m)
 
 static void append(const char *path, const char *bytes)
 {
-    FILE *file = fopen(path, "ab");
+    OWNED(stream_release) FILE *file = fopen(path, "ab");
     fputs(bytes, file);
-    fclose(file);
 }
 
 /* Make 10x10x9 voxels, with or without 48 bytes of an extension. */
@@ -781,7 +778,7 @@ STORY(damaged_files_never_do_harm)
     for (int round = 0; round < 6000; round++) {
         struct made m = make(datatype[round % 4], round / 4 % 2);
         struct fault fault = {0};
-        struct volume v;
+        OWNED(volume_release) struct volume v = {0};
         for (unsigned flips = 1 + check_below(&chance, 4); flips > 0; flips--)
             m.bytes[check_below(&chance, DATA + 8)] ^= (uint8_t)(1u << check_below(&chance, 8));
         if (round % 3 == 0)
@@ -790,7 +787,6 @@ STORY(damaged_files_never_do_harm)
         (round % 2 ? save : save_packed)(path, m.bytes, m.length);
         if (volume_read(&v, path, NULL, NULL, &fault) != OK)
             CHECK(fault.text[0] != '\0' && v.intensity == NULL);
-        volume_release(&v);
     }
 }
 

@@ -56,7 +56,7 @@ STORY(between_two_voxels_comes_their_mean)
     static const uint16_t row[3] = {10, 13, 65535};
     for (unsigned a = 0; a < 3; a++) {
         uint32_t size[3] = {1, 1, 1};
-        struct scene *base, *scene;
+        OWNED(scene_drop) struct scene *base = NULL, *scene = NULL;
         size[a] = 3;
         CHECK(scene_new_filled(&base, size, row, NULL, NULL) == OK);
         base->spacing_nm[a] = 333;
@@ -70,8 +70,6 @@ STORY(between_two_voxels_comes_their_mean)
         for (uint32_t i = 0; i < 5; i++)
             CHECK_INT(intensity_at(scene, a == 0 ? i : 0, a == 1 ? i : 0, a == 2 ? i : 0),
                       expected[i]);
-        scene_free(scene);
-        scene_free(base);
     }
 }
 
@@ -79,7 +77,7 @@ STORY(every_voxel_is_the_mean_of_those_around_it)
 {
     uint64_t random = 7;
     for (int i = 0; i < 200; i++) {
-        struct scene *base = random_scene(&random, 5, i % 4 == 0), *scene;
+        OWNED(scene_drop) struct scene *base = random_scene(&random, 5, i % 4 == 0), *scene = NULL;
         unsigned doubled = check_below(&random, 8);
         if (!CHECK(scene_new_interpolated(&scene, base, doubled, NULL, NULL) == OK))
             return;
@@ -99,8 +97,6 @@ STORY(every_voxel_is_the_mean_of_those_around_it)
         }
         if (doubled == 0)
             CHECK(scene_digest(scene) == scene_digest(base));
-        scene_free(scene);
-        scene_free(base);
     }
 }
 
@@ -119,7 +115,7 @@ STORY(geom_interpolated_is_what_opening_it_so_gives)
     static const char *const name[] = {"synth:geom:211", "synth:geom:121", "synth:geom:112"};
     static const unsigned doubled[] = {1, 2, 4};
     for (int i = 0; i < 3; i++) {
-        struct session *opened, *session;
+        OWNED(session_drop) struct session *opened = NULL, *session = NULL;
         CHECK(session_new(&opened, NULL) == OK && session_open(opened, name[i], NULL, NULL) == OK);
         begin(&session);
         CHECK(session_interpolate(session, doubled[i], NULL) == OK);
@@ -131,14 +127,12 @@ STORY(geom_interpolated_is_what_opening_it_so_gives)
                      sizeof opened->geometry.to_mm) == 0);
         session_settle(session);
         CHECK_INT(session_memory(session), session_memory(opened));
-        session_free(session);
-        session_free(opened);
     }
 }
 
 STORY(voxels_stay_where_they_are_in_the_world)
 {
-    struct session *session;
+    OWNED(session_drop) struct session *session;
     begin(&session);
     const double placed[3][4] = {{0, -2, 0.25, 10}, {1.5, 0, 0, -20}, {0.5, 0, 3, 7}};
     CHECK(geometry_place(&session->said, placed, ORIENTATION_SFORM));
@@ -155,12 +149,11 @@ STORY(voxels_stay_where_they_are_in_the_world)
     CHECK_INT(session->geometry.spacing_nm[0], 500000);
     CHECK_INT(session->geometry.spacing_nm[1], 1000000);
     CHECK_INT(session->geometry.spacing_nm[2], 500000);
-    session_free(session);
 }
 
 STORY(once_seeds_are_there_it_is_refused)
 {
-    struct session *session;
+    OWNED(session_drop) struct session *session = NULL;
     struct fault fault = {0};
     begin(&session);
     const uint64_t digest = session->scene_digest;
@@ -174,7 +167,6 @@ STORY(once_seeds_are_there_it_is_refused)
     CHECK(session_erase_trees(session, (uint32_t[]){grid_cell(&session->scene->grid, 5, 5, 5)}, 1,
                               NULL) == OK);
     CHECK(session_run(session, NULL) == OK && session_interpolate(session, 1, &fault) == OK);
-    session_free(session);
 }
 
 STORY(a_range_holds_on_and_files_of_the_grid_refuse)
@@ -212,19 +204,18 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     session_free(session);
 
     begin(&session);
-    uint16_t *weight = calloc(session->scene->grid.voxels, sizeof *weight);
+    OWNED(mem_release) uint16_t *weight = calloc(session->scene->grid.voxels, sizeof *weight);
     if (CHECK(weight != NULL))
         CHECK(session_set_weight_map(session, "weight.nii", weight, NULL) == OK);
     CHECK(session_interpolate(session, 1, &fault) == ERR_USAGE);
     CHECK_HAS(fault.text, "a mask or weights from a file belong to the present grid");
-    free(weight);
     session_free(session);
 }
 
 STORY(an_axis_of_one_voxel_stays)
 {
     static const uint32_t flat[3] = {4, 1, 1};
-    struct session *session;
+    OWNED(session_drop) struct session *session;
     begin(&session);
     border_release(&session->border); /* a scene of one row in place of geom */
     forest_free(session->forest);
@@ -238,5 +229,4 @@ STORY(an_axis_of_one_voxel_stays)
     CHECK_INT(session->scene->grid.size[0], 7);
     CHECK_INT(session->scene->grid.voxels, 7);
     CHECK_INT(session->geometry.spacing_nm[1], 1000000);
-    session_free(session);
 }

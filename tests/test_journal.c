@@ -68,7 +68,7 @@ static struct outcome walk_all(const char *bytes, size_t length, bool only_sound
     struct outcome out = {.err = OK};
     struct walk walk;
     struct record record;
-    char *copy = malloc(length ? length : 1);
+    OWNED(mem_release) char *copy = malloc(length ? length : 1);
     if (length)
         memcpy(copy, bytes, length);
     out.err = walk_begin(&walk, copy, length, &out.fault);
@@ -82,7 +82,6 @@ static struct outcome walk_all(const char *bytes, size_t length, bool only_sound
         CHECK(walk_next(&walk, &record) == out.step); /* an end stays one */
         walk_release(&walk);
     }
-    free(copy);
     return out;
 }
 
@@ -114,7 +113,7 @@ JOURNAL_STORY(what_is_encoded_is_walked)
 /* The bytes between the regions of interest of the example, from the page itself. */
 static bool read_example(struct buf *out)
 {
-    struct buf page = {0};
+    OWNED(buf_release) struct buf page = {0};
     static const char roi[] = "\n```journal\n";
     struct fault fault;
     buf_clear(out);
@@ -126,7 +125,6 @@ static bool read_example(struct buf *out)
     const char *end = begin ? strstr(begin + sizeof roi - 1, "```") : NULL;
     if (CHECK(end))
         buf_add(out, begin + sizeof roi - 1, (size_t)(end - begin) - (sizeof roi - 1));
-    buf_release(&page);
     return end != NULL;
 }
 
@@ -138,7 +136,7 @@ STORY(the_example_in_FORMAT_is_decoded)
         {"seed 20,30,40 2 radius=3",
          "forest=0123456789abcdef labels=fedcba9876543210 seeds=123 changed=1200"}};
     OWNED(buf_release) struct buf bytes = {0};
-    struct walk walk;
+    OWNED(walk_release) struct walk walk = {0};
     struct record record;
     if (!read_example(&bytes))
         return;
@@ -151,7 +149,6 @@ STORY(the_example_in_FORMAT_is_decoded)
     }
     CHECK(walk_next_sound(&walk, &record) == WALK_END);
     CHECK_INT(walk.records, 3);
-    walk_release(&walk);
 }
 
 /* By the words of FORMAT.md and SHA-256 alone, without record.c. */
@@ -185,7 +182,7 @@ STORY(the_chain_in_FORMAT_is_what_its_words_say)
 JOURNAL_STORY(every_prefix_is_sound_records_and_a_torn_tail)
 {
     size_t whole = 0;
-    char *zeroed = calloc(1, journal.length + 5000);
+    OWNED(mem_release) char *zeroed = calloc(1, journal.length + 5000);
     for (size_t cut = 0; cut <= journal.length; cut++) {
         whole += whole < RECORDS && where[whole + 1] == cut;
         const size_t sound = cut < where[0] ? 0 : where[whole];
@@ -201,7 +198,6 @@ JOURNAL_STORY(every_prefix_is_sound_records_and_a_torn_tail)
         CHECK_INT(prefix.place.number, whole + 1);
         zeroed[cut] = cut < journal.length ? journal.data[cut] : '\0';
     }
-    free(zeroed);
 }
 
 /* Which record holds this byte; the header belongs to the first. */

@@ -47,7 +47,7 @@ static void make(const char *path, size_t records)
 
 STORY(a_journal_is_created_continued_and_kept)
 {
-    struct journal *journal;
+    OWNED(journal_drop) struct journal *journal = NULL;
     struct fault fault;
     OWNED(buf_release) struct buf first = {0}, second = {0}, notice = {0};
     const char *path = "a.iftty";
@@ -66,7 +66,6 @@ STORY(a_journal_is_created_continued_and_kept)
     CHECK(strncmp(second.data + second.length - 33, journal_chain(journal), 32) == 0);
     CHECK(second.length > first.length &&
           memcmp(first.data, second.data, first.length) == 0); /* J3 */
-    journal_close(journal);
     journal_close(reopen(path, 4, NULL));
     journal_close(NULL);
 }
@@ -96,7 +95,7 @@ STORY(comments_become_part_of_the_next_record)
 
 STORY(a_refused_command_changes_nothing)
 {
-    struct journal *journal;
+    OWNED(journal_drop) struct journal *journal = NULL;
     struct fault fault;
     const char *path = "refused.iftty";
     make(path, 2);
@@ -107,7 +106,6 @@ STORY(a_refused_command_changes_nothing)
     CHECK(journal_append(journal, "run", "not words", NULL) == ERR_INPUT);
     CHECK(journal_comment(journal, "no comment", NULL) == ERR_INPUT && journal_audit(journal));
     CHECK(append(journal, 3, NULL) == OK);
-    journal_close(journal);
     journal_close(reopen(path, 3, NULL));
 }
 
@@ -172,7 +170,7 @@ STORY(torn_bytes_never_replace_earlier_ones)
 STORY(damage_is_refused_and_cut_only_on_request)
 {
     OWNED(buf_release) struct buf bytes = {0}, notice = {0};
-    struct journal *journal;
+    OWNED(journal_drop) struct journal *journal = NULL;
     struct fault fault;
     const char *path = "damaged.iftty";
     make(path, 4);
@@ -195,7 +193,6 @@ STORY(damage_is_refused_and_cut_only_on_request)
     CHECK_HAS(buf_text(&notice), "2 records left");
     CHECK(is_file_of("damaged.iftty.torn-1", third, bytes.length - (size_t)(third - bytes.data)));
     CHECK(append(journal, 3, NULL) == OK);
-    journal_close(journal);
     journal_close(reopen(path, 3, NULL));
 }
 
@@ -277,8 +274,8 @@ static void fail_after(unsigned steps, bool stay_failed, int number)
 /* How many records a file holds now, without opening it, and how they end. */
 static size_t records_in(const char *path, enum walk_step *over)
 {
-    struct buf bytes = {0};
-    struct walk walk;
+    OWNED(buf_release) struct buf bytes = {0};
+    OWNED(walk_release) struct walk walk = {0};
     struct record record;
     content(&bytes, path);
     CHECK(walk_begin(&walk, bytes.data, bytes.length, NULL) == OK);
@@ -286,8 +283,6 @@ static size_t records_in(const char *path, enum walk_step *over)
         ;
     const size_t records = walk.records;
     *over = walk.over;
-    walk_release(&walk);
-    buf_release(&bytes);
     return records;
 }
 
@@ -389,14 +384,13 @@ STORY(nothing_follows_an_append_that_could_not_be_taken_back)
     const char *path = "ragged.iftty";
     struct fault fault;
     make(path, 1);
-    struct journal *journal = reopen(path, 1, NULL);
+    OWNED(journal_drop) struct journal *journal = reopen(path, 1, NULL);
     fail_after(1, true, EIO); /* the write succeeds, its sync and that of the cut fail */
     CHECK(append(journal, 2, &fault) == ERR_IO && append(journal, 2, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "not repaired yet");
     CHECK_INT(journal_count(journal), 1);
     file_step_hook = NULL;
     CHECK(append(journal, 2, &fault) == OK && journal_audit(journal));
-    journal_close(journal);
     journal_close(reopen(path, 2, NULL));
 }
 
@@ -407,7 +401,7 @@ STORY(a_short_write_is_taken_back)
     struct rlimit former;
     struct fault fault;
     make(path, 2);
-    struct journal *journal = reopen(path, 2, NULL);
+    OWNED(journal_drop) struct journal *journal = reopen(path, 2, NULL);
     OWNED(buf_release) struct buf before = {0}, grown = {0};
     content(&before, path);
     getrlimit(RLIMIT_FSIZE, &former);
@@ -423,7 +417,6 @@ STORY(a_short_write_is_taken_back)
     }
     signal(SIGXFSZ, handler);
     CHECK(append(journal, 3, NULL) == OK);
-    journal_close(journal);
     journal_close(reopen(path, 3, NULL));
 }
 

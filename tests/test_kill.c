@@ -148,8 +148,8 @@ static bool is_recorded(const char *command)
  * there before; and at most one more is. Gives the number of records. */
 static size_t compare(const struct victim *v, size_t *acknowledged)
 {
-    struct buf bytes = {0};
-    struct walk walk;
+    OWNED(buf_release) struct buf bytes = {0};
+    OWNED(walk_release) struct walk walk = {0};
     struct record record = {0};
     size_t records = 0;
     if (!file_exists(v->journal)) {
@@ -182,8 +182,6 @@ static size_t compare(const struct victim *v, size_t *acknowledged)
     while (walk_next_sound(&walk, &record) == WALK_RECORD)
         more++;
     CHECK(walk.over != WALK_DAMAGED && more <= 1);
-    walk_release(&walk);
-    buf_release(&bytes);
     return records + more;
 }
 

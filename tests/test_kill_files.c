@@ -146,22 +146,17 @@ static const char *in(const char *where, const char *name)
 static bool is_same(const char *name, const char *wanted)
 {
     enum { BYTES_MOST = 1 << 26 };
-    struct buf found = {0}, expected = {0};
+    OWNED(buf_release) struct buf found = {0}, expected = {0};
     CHECK(file_read(&found, in(HERE, name), BYTES_MOST, NULL) == OK);
     CHECK(file_read(&expected, in(WHOLE, wanted), BYTES_MOST, NULL) == OK);
-    const bool same = found.length == expected.length &&
-                      memcmp(buf_text(&found), buf_text(&expected), found.length) == 0;
-    buf_release(&found);
-    buf_release(&expected);
-    return same;
+    return found.length == expected.length &&
+           memcmp(buf_text(&found), buf_text(&expected), found.length) == 0;
 }
 
 static bool is_picture(const char *name)
 {
-    struct picture picture = {0};
-    const bool is_one = exr_read(&picture, in(HERE, name), NULL) == OK;
-    picture_release(&picture);
-    return is_one;
+    OWNED(picture_release) struct picture picture = {0};
+    return exr_read(&picture, in(HERE, name), NULL) == OK;
 }
 
 /* How many drafts are in a folder ("" or "NAME/"), whose other files are whole. */
@@ -212,7 +207,7 @@ static void verifies(struct buf *told)
 /* A golden image for each name, and nothing else. */
 static void has_goldens(void)
 {
-    struct golden_files files;
+    OWNED(golden_files_close) struct golden_files files = {0};
     OWNED(buf_release) struct buf bytes = {0};
     unsigned images = 0, names = 0;
     char path[PATH_LENGTH];
@@ -234,7 +229,6 @@ static void has_goldens(void)
         names += again == name;
     }
     CHECK_INT(images, names);
-    golden_files_close(&files);
 }
 
 /* What was not acknowledged is carried out now. A file that is there already, whole, without its

@@ -22,14 +22,13 @@ static enum err read_text(const char *text)
 /* Reads a table and gives its names and colours to a fresh state. */
 static enum err take(const char *text, const char *regions, const char *labels)
 {
-    struct regions chosen = {0};
+    OWNED(regions_release) struct regions chosen = {0};
     state = state_default();
     enum err err = read_text(text);
     if (!err)
         err = regions_read(&chosen, regions, labels, &fault);
     if (!err)
         err = label_table_apply(&state.kept, &tally, &table, &chosen, &fault);
-    regions_release(&chosen);
     label_table_release(&table);
     return err;
 }
@@ -69,7 +68,7 @@ STORY(each_format_gives_its_names_and_colours)
 STORY(a_lut_gives_every_label_a_colour)
 {
     uint8_t bytes[768];
-    struct regions all;
+    OWNED(regions_release) struct regions all = {0};
     for (unsigned i = 0; i < 256; i++) {
         bytes[i] = (uint8_t)i;
         bytes[256 + i] = 7;
@@ -85,7 +84,6 @@ STORY(a_lut_gives_every_label_a_colour)
     label_table_release(&table);
     CHECK_INT(label_table_read_lut(&table, bytes, 767, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "767 bytes; expected the 768 of a .lut");
-    regions_release(&all);
 }
 
 STORY(names_are_made_to_fit)

@@ -252,11 +252,10 @@ static const char *line_of(const char *what, uint64_t done, uint64_t total, bool
                            unsigned columns)
 {
     static char text[256];
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     const struct progress_step step = {.what = what, .done = done, .total = total, .seconds = 3};
     progress_line(&line, &step, blocks, columns);
     snprintf(text, sizeof text, "%s", buf_text(&line));
-    buf_release(&line);
     return text;
 }
 

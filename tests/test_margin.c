@@ -16,7 +16,7 @@ STORY(a_margin_is_what_the_other_label_would_have_to_pay_more)
     static const uint16_t weight[] = {1, 1, 5, 1, 1, 9, 2, 2};
     /* From voxel 0 label 1 pays 1 up to the 5; from voxel 7, label 2 pays 2 up to the 9. */
     static const uint16_t expected[] = {9, 8, 4, 4, 4, 0, 7, 9};
-    uint16_t *margin;
+    OWNED(mem_release) uint16_t *margin = NULL;
     w = world_new(8, 1, 1, 6);
     const uint32_t first = grid_cell(&w.scene->grid, 0, 0, 0);
     for (uint32_t x = 0; x < 8; x++)
@@ -26,7 +26,6 @@ STORY(a_margin_is_what_the_other_label_would_have_to_pay_more)
     CHECK(margin_new(&margin, w.forest, NULL) == OK);
     for (uint32_t x = 0; x < 8; x++)
         CHECK_INT(margin[first + x], expected[x]);
-    free(margin);
     world_free(&w);
 }
 
@@ -64,7 +63,7 @@ STORY(arcs_that_depend_on_the_label_are_refused)
 
 STORY(memory_that_runs_out_is_an_error)
 {
-    uint16_t *margin;
+    OWNED(mem_release) uint16_t *margin = NULL;
     struct fault fault = {0};
     w = world_new(4, 3, 2, 6);
     world_plant(&w, grid_cell(&w.scene->grid, 1, 1, 1), 3);
@@ -77,7 +76,6 @@ STORY(memory_that_runs_out_is_an_error)
         CHECK(err == OK || (err == ERR_MEMORY && margin == NULL));
     }
     CHECK_INT(err, OK);
-    free(margin);
     world_free(&w);
 }
 
@@ -129,7 +127,7 @@ static void check_rival(uint32_t cell, uint32_t expected, uint32_t cost[LABELS][
 static void check_against_search(void)
 {
     static uint32_t cost[LABELS][CELLS_MOST];
-    uint16_t *margin;
+    OWNED(mem_release) uint16_t *margin;
     CHECK(margin_new(&margin, w.forest, NULL) == OK);
     for (uint8_t l = 0; l < LABELS; l++)
         search(cost[l], l);
@@ -144,7 +142,6 @@ static void check_against_search(void)
         if (cell_is_reached(cell))
             check_rival((uint32_t)c, other, cost);
     }
-    free(margin);
 }
 
 DRAW_FROM(1)

@@ -81,11 +81,9 @@ static bool holds(const struct mesh *mesh)
 /* Compare with a mesh computed from scratch, and check its promises. */
 static bool is_right(const struct mesh *mesh, const struct border *border, enum mesh_kind kind)
 {
-    struct mesh whole = {0};
+    OWNED(mesh_release) struct mesh whole = {0};
     CHECK(mesh_update(&whole, border, kind, NULL, NULL, NULL) == OK);
-    const bool is = CHECK(is_same_mesh(mesh, &whole)) & CHECK(holds(mesh));
-    mesh_release(&whole);
-    return is;
+    return CHECK(is_same_mesh(mesh, &whole)) & CHECK(holds(mesh));
 }
 
 /* ---- at random ---- */
@@ -290,7 +288,7 @@ STORY(any_number_of_threads_makes_the_same_mesh)
 {
     static const unsigned threads[] = {2, 5};
     for (int i = 0; i < 2; i++) {
-        struct team *team = NULL;
+        OWNED(team_drop) struct team *team = NULL;
         CHECK(team_new(&team, threads[i], NULL) == OK);
         for (unsigned number = 0; number < check_scaled(8) && check_failures == 0; number++) {
             uint64_t random = 100 + number;
@@ -304,7 +302,6 @@ STORY(any_number_of_threads_makes_the_same_mesh)
                     printf("# number %u step %d, %u threads\n", number, step, threads[i]);
             }
         }
-        team_free(team);
     }
 }
 

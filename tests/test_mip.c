@@ -57,11 +57,10 @@ static int search(const struct stage *s, const struct mip_source *of, struct pas
 
 static void is_right(const struct stage *s, const struct mip *mip, const struct mip_source *of)
 {
-    struct passed *room = mem_array(s->scene->grid.voxels, sizeof *room);
+    OWNED(mem_release) struct passed *room = mem_array(s->scene->grid.voxels, sizeof *room);
     for (uint32_t y = 0; y < s->view.height; y++)
         for (uint32_t x = 0; x < s->view.width; x++)
             CHECK_INT(mip->brightness[(size_t)y * s->view.width + x], search(s, of, room, x, y));
-    free(room);
 }
 
 STORY(a_pixel_is_as_bright_as_the_brightest_voxel_on_its_ray)

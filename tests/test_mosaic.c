@@ -87,7 +87,7 @@ STORY(panes_share_the_picture_out)
 STORY(panes_are_slices_at_one_scale)
 {
     static const enum mosaic_pane pane_of[3] = {MOSAIC_AXIAL, MOSAIC_CORONAL, MOSAIC_SAGITTAL};
-    struct scene *scene = graded_scene();
+    OWNED(scene_drop) struct scene *scene = graded_scene();
     struct slice_style style = plain_style();
     style.crosses = true;
     for (uint32_t side = 61; side < 200; side += 23) {
@@ -114,14 +114,13 @@ STORY(panes_are_slices_at_one_scale)
                              canvas_pixel(&alone, 0, y), 4 * (size_t)box.width) == 0);
         }
     }
-    scene_free(scene);
 }
 
 /* In a dark scene only the cross-hair is bright: its column and row continue across the seam. */
 STORY(the_lines_of_the_cross_hair_run_on)
 {
     static const uint32_t size[3] = {14, 10, 6};
-    struct scene *scene = NULL;
+    OWNED(scene_drop) struct scene *scene = NULL;
     struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.place = {3, 4, 5}};
     OWNED(rendition_release) struct rendition r = noisy_rendition(100, 100);
@@ -137,17 +136,18 @@ STORY(the_lines_of_the_cross_hair_run_on)
     }
     CHECK(columns[0] > 24 && columns[0] == columns[1]); /* left of the middle of the patient */
     CHECK(rows[0] > 0 && rows[0] < 24 && rows[0] == rows[1]);
-    scene_free(scene);
 }
 
 /* A pane with a rendition at half its size equals 2x2 samples of it. */
 STORY(a_pixel_of_the_pane_is_what_samples_come_to)
 {
     static const uint8_t white[3] = {255, 255, 255};
-    struct scene *scene = graded_scene();
+    OWNED(scene_drop) struct scene *scene = graded_scene();
     const struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.background = BACKGROUND_WHITE};
-    struct rendition r = noisy_rendition(21, 21), fine = black_rendition(20, 20), reduced;
+    OWNED(rendition_release)
+    struct rendition r = noisy_rendition(21, 21),
+                     fine = black_rendition(20, 20), reduced = {0};
     uint64_t seed = 3;
     for (uint32_t y = 0; y < 20; y++)
         for (uint32_t x = 0; x < 20; x++) {
@@ -172,16 +172,12 @@ STORY(a_pixel_of_the_pane_is_what_samples_come_to)
             CHECK_INT(mosaic_cell_at(scene, 21, 21, &r, &choice, 11 + x, 11 + y),
                       reduced.cell[y * 10 + x]);
         }
-    rendition_release(&reduced);
-    rendition_release(&fine);
-    rendition_release(&r);
-    scene_free(scene);
 }
 
 /* If the seam removes a pixel of the pane, the rendition loses one on either side. */
 STORY(the_rendition_lies_in_the_middle_of_its_pane)
 {
-    struct scene *scene = graded_scene();
+    OWNED(scene_drop) struct scene *scene = graded_scene();
     const struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.place = {0, 0, 0}};
     OWNED(rendition_release)
@@ -197,13 +193,12 @@ STORY(the_rendition_lies_in_the_middle_of_its_pane)
     r.cell[129 * 130 + 128] = 9;
     r.depth[129 * 130 + 128] = 0;
     CHECK_INT(mosaic_cell_at(scene, r.width, r.height, &r, &choice, 129, 130), 9);
-    scene_free(scene);
 }
 
 /* In mosaics of the rendition's size, and in others that it is fitted into. */
 STORY(a_pixel_of_a_mosaic_knows_its_voxel)
 {
-    struct scene *scene = graded_scene();
+    OWNED(scene_drop) struct scene *scene = graded_scene();
     const struct slice_style style = plain_style();
     uint64_t seed = 9;
     for (int i = 0; i < 90; i++) {
@@ -227,14 +222,13 @@ STORY(a_pixel_of_a_mosaic_knows_its_voxel)
         CHECK_INT(wrong, 0);
         CHECK(shown > 0);
     }
-    scene_free(scene);
 }
 
 /* One colour is not mixed at any size; renditions far larger or smaller still fit. */
 STORY(a_rendition_of_another_size_is_fitted_in)
 {
     static const uint32_t side[][2] = {{16, 16}, {17, 300}, {300, 20}, {512, 512}, {64, 48}};
-    struct scene *scene = graded_scene();
+    OWNED(scene_drop) struct scene *scene = graded_scene();
     const struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.place = {0, 0, 0}};
     for (size_t i = 0; i < sizeof side / sizeof side[0]; i++) {
@@ -259,12 +253,11 @@ STORY(a_rendition_of_another_size_is_fitted_in)
         CHECK(seen * 4 >=
               least - least / 8); /* enlarged by whole numbers: a quarter at the least */
     }
-    scene_free(scene);
 }
 
 STORY(without_memory_there_is_no_mosaic)
 {
-    struct scene *scene = graded_scene();
+    OWNED(scene_drop) struct scene *scene = graded_scene();
     const struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.place = {0, 0, 0}, .notes = true};
     OWNED(rendition_release) struct rendition r = noisy_rendition(40, 40);
@@ -282,5 +275,4 @@ STORY(without_memory_there_is_no_mosaic)
     }
     CHECK_INT(err, OK);
     CHECK_INT(refused, allocations_made);
-    scene_free(scene);
 }

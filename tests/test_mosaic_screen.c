@@ -59,6 +59,7 @@ STORY(panes_lie_beside_each_other_on_any_screen_and_scene)
 {
     uint64_t seed = 3;
     for (unsigned i = 0; i < 400; i++) {
+        OWNED(scene_drop)
         struct scene *scene = scene_of(1 + check_below(&seed, 60), 1 + check_below(&seed, 60),
                                        1 + check_below(&seed, 60));
         const uint32_t *size = cell[i % 5];
@@ -69,13 +70,12 @@ STORY(panes_lie_beside_each_other_on_any_screen_and_scene)
             scene->spacing_nm[a] = 100000 + check_below(&seed, 4000000);
         mosaic_lay_out(&layout, scene, &screen);
         lies_well(&layout, &screen);
-        scene_free(scene);
     }
 }
 
 STORY(panes_lie_beside_each_other_in_the_least_of_screens)
 {
-    struct scene *scene = scene_of(7, 7, 60);
+    OWNED(scene_drop) struct scene *scene = scene_of(7, 7, 60);
     for (uint32_t columns = 1; columns < 24; columns++)
         for (uint32_t rows = 1; rows < 12; rows++) {
             const struct mosaic_screen screen = screen_of(columns, rows, 8, 16);
@@ -86,7 +86,6 @@ STORY(panes_lie_beside_each_other_in_the_least_of_screens)
             mosaic_lay_out(&layout, scene, &screen);
             lies_well(&layout, &screen);
         }
-    scene_free(scene);
 }
 
 /* Return the area of the squares of all slices, and of the rendition's pane, which its content
@@ -114,7 +113,7 @@ STORY(most_of_the_screen_is_in_use)
     } screens[] = {{80, 24, 0.7},    {80, 40, 0.9},   {20, 10, 0.85}, {200, 50, 0.8},
                    {120, 50, 0.85},  {200, 24, 0.88}, {40, 60, 0.7},  {60, 100, 0.8},
                    {300, 100, 0.75}, {40, 12, 0.65}};
-    struct scene *scene = scene_of(181, 217, 181);
+    OWNED(scene_drop) struct scene *scene = scene_of(181, 217, 181);
     for (size_t i = 0; i < sizeof screens / sizeof screens[0]; i++)
         for (int c = 3; c < 5; c++) {
             const struct mosaic_screen screen =
@@ -125,13 +124,12 @@ STORY(most_of_the_screen_is_in_use)
             if (!CHECK(share >= screens[i].least))
                 printf("# %ux%u: %.2f\n", screens[i].columns, screens[i].rows, share);
         }
-    scene_free(scene);
 }
 
 /* Slices are as wide as in each other's pane, so that the lines of the cross-hair run on. */
 STORY(slices_line_up)
 {
-    struct scene *scene = scene_of(181, 217, 181);
+    OWNED(scene_drop) struct scene *scene = scene_of(181, 217, 181);
     const struct mosaic_screen narrow = screen_of(80, 40, 8, 16), wide = screen_of(200, 24, 8, 16);
     struct mosaic_layout layout;
     mosaic_lay_out(&layout, scene, &narrow);
@@ -152,12 +150,11 @@ STORY(slices_line_up)
     mosaic_lay_out(&layout, scene, &wide); /* all in a row */
     CHECK(box[MOSAIC_AXIAL].top == 0 && box[MOSAIC_AXIAL].height == wide.height);
     CHECK(box[MOSAIC_RENDITION].left + box[MOSAIC_RENDITION].width == wide.width);
-    scene_free(scene);
 }
 
 STORY(a_pane_alone_has_the_whole_screen)
 {
-    struct scene *scene = scene_of(18, 21, 18);
+    OWNED(scene_drop) struct scene *scene = scene_of(18, 21, 18);
     struct mosaic_screen screen = screen_of(80, 22, 8, 16);
     screen.shows_all = false;
     for (int pane = 0; pane < MOSAIC_PANES; pane++) {
@@ -168,7 +165,6 @@ STORY(a_pane_alone_has_the_whole_screen)
             CHECK(layout.box[i].width == (i == pane ? screen.width : 0));
         CHECK(layout.box[pane].height == screen.height);
     }
-    scene_free(scene);
 }
 
 /* Each pane shows, pixel by pixel, the same as the slice alone, and the same voxels. */
@@ -177,7 +173,7 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
     struct slice_style style = {.least = "", .most = "", .crosses = true};
     static struct palette palette;
     static bool visible[256];
-    struct scene *scene = scene_of(30, 36, 20);
+    OWNED(scene_drop) struct scene *scene = scene_of(30, 36, 20);
     OWNED(rendition_release) struct rendition r;
     uint64_t seed = 8;
     style.palette = &palette;
@@ -212,7 +208,7 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
             const struct mosaic_box *box = &layout.box[plane];
             const struct slice_choice slice =
                 mosaic_slice(scene, &choice, screen.width, screen.height, (enum slice_plane)plane);
-            struct canvas alone;
+            OWNED(canvas_release) struct canvas alone = {0};
             if (box->width == 0)
                 continue;
             CHECK(canvas_init(&alone, box->width, box->height, CANVAS_CELLS, NULL) == OK);
@@ -224,9 +220,7 @@ STORY(panes_show_what_slices_alone_would_however_magnified)
                 wrong += memcmp(canvas.cell + at, alone.cell + y * alone.stride,
                                 sizeof *alone.cell * box->width) != 0;
             }
-            canvas_release(&alone);
         }
         CHECK_INT(wrong, 0);
     }
-    scene_free(scene);
 }

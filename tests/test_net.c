@@ -155,7 +155,7 @@ static int by_edge(const void *a, const void *b)
 static size_t lonely_edges(const struct net *net)
 {
     size_t count = 0, lonely = 0;
-    uint64_t *edge = calloc((size_t)net->quads * 4 + 1, sizeof *edge);
+    OWNED(mem_release) uint64_t *edge = calloc((size_t)net->quads * 4 + 1, sizeof *edge);
     for (uint32_t q = 0; q < net->quads; q++)
         for (int k = 0; k < 4; k++) {
             const uint64_t a = net->quad[q].corner[k], b = net->quad[q].corner[(k + 1) % 4];
@@ -169,7 +169,6 @@ static size_t lonely_edges(const struct net *net)
             balance += edge[k] & 1 ? 1 : -1;
         lonely += balance != 0;
     }
-    free(edge);
     return lonely;
 }
 
@@ -407,7 +406,7 @@ STORY(a_border_between_labels_is_smooth_along_the_surface)
         *scene_at(p[0], p[1], p[2]) = p[1] < 14 + p[0] % 2 ? 1 : 2;
     }
     OWNED(net_release) struct net net = net_of_scene(false);
-    uint8_t *labels = labels_on_top(&net);
+    OWNED(mem_release) uint8_t *labels = labels_on_top(&net);
     for (uint32_t v = 0; v < net.vertices; v++) {
         const double y = place_of(&net.vertex[v], 1), z = place_of(&net.vertex[v], 2);
         if (labels[v] != 3 || net.vertex[v].cube[0] < 10 || net.vertex[v].cube[0] > 18)
@@ -420,7 +419,6 @@ STORY(a_border_between_labels_is_smooth_along_the_surface)
     CHECK(most_y > 0 && most_y - least_y < 0.4); /* 1 in voxels */
     CHECK(most_z - least_z < 0.01);
     CHECK_NEAR(volume_of(&net) / 8000, 1, 0.002);
-    free(labels);
 }
 
 /* The top of a block, with label 1 below a line that rises by 1 in `run`, otherwise 2: the width of
@@ -434,7 +432,7 @@ static double off_the_line(int32_t run)
         *scene_at(p[0], p[1], p[2]) = run * (p[1] - 20) < p[0] - 20 ? 1 : 2;
     }
     OWNED(net_release) struct net net = net_of_scene(false);
-    uint8_t *labels = labels_on_top(&net);
+    OWNED(mem_release) uint8_t *labels = labels_on_top(&net);
     for (uint32_t v = 0; v < net.vertices; v++) {
         const double x = place_of(&net.vertex[v], 0), y = place_of(&net.vertex[v], 1);
         if (labels[v] != 3 || x < 12 || x > 32)
@@ -442,7 +440,6 @@ static double off_the_line(int32_t run)
         least = fmin(least, y - x / run);
         most = fmax(most, y - x / run);
     }
-    free(labels);
     return most - least;
 }
 

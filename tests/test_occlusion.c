@@ -145,7 +145,7 @@ static void show_beyond(struct stage *s, const uint32_t voxel[3], int reach)
 /* Return the largest fullness at the points of any normal, around points in the cube of a voxel. */
 static uint32_t most_around(const struct stage *s, const uint32_t voxel[3], uint64_t *random)
 {
-    struct bricks bricks = {0};
+    OWNED(bricks_release) struct bricks bricks = {0};
     struct occluder occluder;
     uint32_t most = 0;
     CHECK(bricks_update(&bricks, &s->border, NULL) == OK);
@@ -165,7 +165,6 @@ static uint32_t most_around(const struct stage *s, const uint32_t voxel[3], uint
             most = around > most ? around : most;
         }
     }
-    bricks_release(&bricks);
     return most;
 }
 
@@ -373,11 +372,10 @@ static void sitting(unsigned number, struct team *team)
 
 STORY(four_ways_agree_and_the_incremental_image_follows_edits)
 {
-    struct team *team = NULL;
+    OWNED(team_drop) struct team *team = NULL;
     CHECK(team_new(&team, 3, NULL) == OK);
     for (unsigned number = 0; number < check_scaled(12) && check_failures == 0; number++)
         sitting(number, number % 2 ? team : NULL);
-    team_free(team);
 }
 
 STORY(translucent_objects_let_the_light_in)

@@ -155,7 +155,7 @@ static const char *take_iterm(const char *text)
     int taken = 0;
     const char *end = strchr(text, '\a');
     struct decoded_png png = {0};
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     bool fine = end &&
                 sscanf(text,
                        "\033]1337;File=inline=1;size=%zu;width=%u;height=%u;"
@@ -168,7 +168,6 @@ static const char *take_iterm(const char *text)
     if (fine)
         draw(png.width, png.height, png.pixel);
     free(png.pixel);
-    buf_release(&file);
     return fine ? end + 1 : NULL;
 }
 
@@ -360,11 +359,9 @@ static void begin_painter(const struct graphics *graphics, uint32_t width, uint3
 
 static size_t show(const struct image_view *view)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     CHECK(painter_show(&painter, view, &out) && screen_feed(&out));
-    const size_t bytes = out.length;
-    buf_release(&out);
-    return bytes;
+    return out.length;
 }
 
 /* The same, and the screen shows the picture then, to the pixel. */
@@ -607,12 +604,10 @@ static void lay_slices(struct image_view *view, const struct raster_box box[SLIC
 
 static size_t show_kept(struct image_view *view, size_t budget)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     painter_keep(&painter, view, budget, &out);
     CHECK(painter_show(&painter, view, &out) && screen_feed(&out));
-    const size_t bytes = out.length;
-    buf_release(&out);
-    return bytes;
+    return out.length;
 }
 
 static size_t show_kept_right(struct image_view *view)
@@ -626,11 +621,10 @@ static size_t show_kept_right(struct image_view *view)
 static unsigned hear_replies(void)
 {
     unsigned lost = 0;
-    char *text = strdup(buf_text(&screen.kitty.replies));
+    OWNED(mem_release) char *text = strdup(buf_text(&screen.kitty.replies));
     for (char *at = strstr(text, "\033_G"); at; at = strstr(at + 1, "\033_G"))
         lost += painter_take_reply(&painter, at + 1);
     buf_clear(&screen.kitty.replies);
-    free(text);
     return lost;
 }
 

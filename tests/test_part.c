@@ -128,7 +128,7 @@ static double expected(const struct volume_choice *choice, const uint32_t step[3
 static void check_part(const char *file, const struct volume_choice *choice, bool whole)
 {
     static const uint32_t size[3] = {NX, NY, NZ};
-    struct volume v;
+    OWNED(volume_release) struct volume v = {0};
     struct fault fault = {0};
     uint32_t step[3];
     if (!CHECK(volume_read(&v, file, choice, NULL, &fault) == OK)) {
@@ -154,7 +154,6 @@ static void check_part(const char *file, const struct volume_choice *choice, boo
                 same &= fabs(is - wanted) <= (whole ? 0 : 0.51);
             }
     CHECK(same);
-    volume_release(&v);
 }
 
 /* ---- stories ---- */

@@ -60,7 +60,7 @@ STORY(distances_to_the_border_are_those_of_a_slow_search)
     uint64_t random = 5;
     unsigned deep = 0, none = 0;
     for (int round = 0; round < 400 && check_failures == 0; round++) {
-        struct scene *scene = NULL;
+        OWNED(scene_drop) struct scene *scene = NULL;
         uint32_t size[3];
         for (int a = 0; a < 3; a++)
             size[a] = 1 + check_below(&random, check_below(&random, 3) ? 20 : 3);
@@ -84,14 +84,13 @@ STORY(distances_to_the_border_are_those_of_a_slow_search)
             deep += fast.found && fast.squared > 0;
             none += !fast.found;
         }
-        scene_free(scene);
     }
     CHECK(deep > 1000 && none > 100);
 }
 
 STORY(a_border_beyond_reach_is_not_searched_for)
 {
-    struct scene *scene = NULL;
+    OWNED(scene_drop) struct scene *scene = NULL;
     CHECK(scene_new(&scene, (uint32_t[]){401, 3, 3}, NULL) == OK);
     const uint32_t middle = grid_cell(&scene->grid, 200, 1, 1);
     scene->cell[grid_cell(&scene->grid, 200 + 100, 1, 1)].label = 1;
@@ -107,7 +106,6 @@ STORY(a_border_beyond_reach_is_not_searched_for)
     scene->spacing_nm[0] = 10000;
     d = measure_border_distance(scene, middle);
     CHECK(!d.found && d.reach_nm == 1000000); /* 100 voxels */
-    scene_free(scene);
 }
 
 /* ---- commands ---- */

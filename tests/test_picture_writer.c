@@ -47,12 +47,11 @@ static void give(struct picture_writer *writer, const char *name, enum file_mode
 static const char *refusal(const char *name, enum file_mode mode)
 {
     static struct fault fault;
-    struct picture p = sample(1);
+    OWNED(picture_release) struct picture p = sample(1);
     struct picture_job *job;
     fault = (struct fault){0};
     CHECK(picture_job_new(&job, file_in(folder, name), mode, &p, &fault) != OK && job == NULL);
     CHECK(p.rgba != NULL);
-    picture_release(&p);
     return fault.text;
 }
 
@@ -83,7 +82,7 @@ static struct picture_writer *scripted(const char *script)
 
 STORY(a_picture_is_there_when_the_news_say_so)
 {
-    struct picture_writer *writer = begin();
+    OWNED(picture_writer_drop) struct picture_writer *writer = begin();
     OWNED(buf_release) struct buf text = {0};
     char wrote[FILE_LENGTH + 8];
     CHECK(!has_news(writer, 0));
@@ -95,12 +94,11 @@ STORY(a_picture_is_there_when_the_news_say_so)
     CHECK(!has_news(writer, 0));
     picture_writer_news(writer, &text); /* reported once */
     CHECK_TEXT(buf_text(&text), wrote);
-    picture_writer_free(writer);
 }
 
 STORY(jobs_are_done_in_their_order)
 {
-    struct picture_writer *writer = begin();
+    OWNED(picture_writer_drop) struct picture_writer *writer = begin();
     char expected[12 * FILE_LENGTH] = "", line[FILE_LENGTH + 8];
     OWNED(picture_release) struct picture q;
     for (unsigned i = 0; i < 12; i++) {
@@ -113,7 +111,6 @@ STORY(jobs_are_done_in_their_order)
     CHECK_TEXT(news(writer), expected);
     CHECK_INT(exr_read(&q, file_in(folder, "same.exr"), NULL), OK);
     CHECK_INT(q.rgba[0], 11); /* the last one */
-    picture_writer_free(writer);
 }
 
 STORY(what_cannot_be_is_refused_at_once)
@@ -125,26 +122,24 @@ STORY(what_cannot_be_is_refused_at_once)
 
 STORY(what_fails_later_is_reported)
 {
-    struct picture_writer *writer = begin();
+    OWNED(picture_writer_drop) struct picture_writer *writer = begin();
     give(writer, "late.tif", FILE_KEEP, 1);
     give(writer, "late.tif", FILE_KEEP, 2); /* not there yet, when it was given */
     const char *text = news(writer);
     CHECK_HAS(text, "wrote ");
     CHECK_HAS(text, "\nerror: ");
     CHECK_HAS(text, "late.tif exists already and was left alone\n");
-    picture_writer_free(writer);
 }
 
 STORY(a_helper_that_dies_costs_one_picture)
 {
-    struct picture_writer *writer = scripted("exit 3");
+    OWNED(picture_writer_drop) struct picture_writer *writer = scripted("exit 3");
     give(writer, "dead.tif", FILE_KEEP, 1);
     CHECK_HAS(news(writer), "error: cannot write ");
     CHECK_TEXT(news(writer), ""); /* reported once */
     give(writer, "alive.exr", FILE_KEEP, 1);
     CHECK_HAS(news(writer), "wrote ");
     CHECK(!file_exists(file_in(folder, "dead.tif")) && file_exists(file_in(folder, "alive.exr")));
-    picture_writer_free(writer);
 }
 
 /* The helper stays silent until a file is there, so everything waits; the fifth that waits has to
@@ -153,7 +148,7 @@ STORY(a_known_number_of_pictures_waits)
 {
     char script[2 * FILE_LENGTH], name[16];
     snprintf(script, sizeof script, "until [ -e %s ]; do sleep 0.02; done", file_in(folder, "go"));
-    struct picture_writer *writer = scripted(script);
+    OWNED(picture_writer_drop) struct picture_writer *writer = scripted(script);
     for (unsigned i = 0; i < PICTURE_WRITER_WAITING_MOST + 1; i++) {
         snprintf(name, sizeof name, "wait%u.tif", i);
         give(writer, name, FILE_KEEP, 1);
@@ -178,7 +173,6 @@ STORY(a_known_number_of_pictures_waits)
     for (const char *at = text; (at = strstr(at, "error: cannot write ")) != NULL; at++)
         lines++;
     CHECK_INT(lines, PICTURE_WRITER_WAITING_MOST + 2);
-    picture_writer_free(writer);
 }
 
 /* As soon as the first picture is at work. */
@@ -190,6 +184,7 @@ static bool stop(void *context, const char *what, uint64_t done, uint64_t total)
 
 STORY(waiting_can_be_given_up)
 {
+    OWNED(picture_writer_drop)
     struct picture_writer *writer = scripted(": >${0%/*}/busy; exec sleep 30");
     struct watch watch = {.poll = stop};
     OWNED(buf_release) struct buf text = {0};
@@ -203,7 +198,6 @@ STORY(waiting_can_be_given_up)
     CHECK_HAS(buf_text(&text), "did not answer"); /* the one at work had its time */
     CHECK(!file_exists(file_in(folder, "up0.tif")) && !file_exists(file_in(folder, "up2.tif")));
     image_helper_patience_ms = 60000;
-    picture_writer_free(writer);
 }
 
 STORY(leaving_waits_for_everything)

@@ -952,7 +952,7 @@ STORY(no_state_of_the_brush_makes_a_command_that_is_refused)
                                        "+",  "-",       "v",        "l",   "k",  "J",     "a",
                                        "d",  "S",       "O",        "A",   "I",  "u",     "@",
                                        ".",  "<Enter>", "<Escape>", "3go", "gl", "llkkhh"};
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp = {0};
     uint64_t seed = 7;
     unsigned exact = 0, over = 0;
     begin_interpreter(&interp);
@@ -981,7 +981,6 @@ STORY(no_state_of_the_brush_makes_a_command_that_is_refused)
     }
     CHECK(exact > 50 && over > 20);
     reply_release(&reply);
-    interpreter_release(&interp);
 }
 
 STORY(corrections_are_made_on_the_rendition)

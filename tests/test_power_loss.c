@@ -256,11 +256,9 @@ static enum err open_left(struct journal **journal, size_t *count, struct fault 
 /* The torn bytes, or those of them that the loss left in the journal, are beside it. */
 static bool is_kept(const char *name)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     read_all(&bytes, file_in(after, name));
-    const bool is_there = bytes.length == torn_length && memcmp(bytes.data, torn, torn_length) == 0;
-    buf_release(&bytes);
-    return is_there;
+    return bytes.length == torn_length && memcmp(bytes.data, torn, torn_length) == 0;
 }
 
 static void open_acknowledged(void)
@@ -385,7 +383,7 @@ static const char *begin(uint64_t seed)
 STORY(a_loss_of_power_takes_nothing_that_was_acknowledged)
 {
     for (uint64_t seed = 1; seed <= 3; seed++) {
-        struct journal *journal;
+        OWNED(journal_drop) struct journal *journal = NULL;
         const char *path = begin(seed);
         file_step_hook = watch_step;
         CHECK(journal_create(&journal, path, 1, NULL) == OK);
@@ -395,7 +393,6 @@ STORY(a_loss_of_power_takes_nothing_that_was_acknowledged)
         file_step_hook = NULL;
         CHECK(losses > 20 * TRIALS / 2);
         CHECK(losses_of_bytes > 100); /* it did take something */
-        journal_close(journal);
     }
 }
 
@@ -453,7 +450,7 @@ STORY(a_loss_of_power_while_a_torn_tail_is_mended)
 
 STORY(a_loss_of_power_while_the_journal_goes_on_elsewhere)
 {
-    struct journal *journal;
+    OWNED(journal_drop) struct journal *journal = NULL;
     char other[FILE_LENGTH];
     const char *path = begin(21);
     strcpy(other, file_in(folder, "other.iftty"));
@@ -469,14 +466,13 @@ STORY(a_loss_of_power_while_the_journal_goes_on_elsewhere)
     lose_power();
     file_step_hook = NULL;
     CHECK(journal_audit(journal));
-    journal_close(journal);
 }
 
 /* What is not synced may be lost, and what a disk wrote in another order may be damaged; what was
  * synced is there, and a repair keeps it. */
 static void open_or_repair(size_t synced)
 {
-    struct journal *journal;
+    OWNED(journal_drop) struct journal *journal = NULL;
     OWNED(buf_release) struct buf told = {0};
     size_t count;
     enum err err = open_left(&journal, &count, NULL);
@@ -485,14 +481,13 @@ static void open_or_repair(size_t synced)
         err = open_left(&journal, &count, NULL);
     }
     CHECK(err == OK && count >= synced);
-    journal_close(journal);
 }
 
 STORY(without_syncs_what_was_synced_last_is_there)
 {
     static const enum file_sync sync[] = {FILE_SYNC_OFF, FILE_SYNC_EVERY_SECOND};
     for (size_t s = 0; s < 2; s++) {
-        struct journal *journal;
+        OWNED(journal_drop) struct journal *journal = NULL;
         struct synced_name now[FILES_MOST];
         const char *path = begin(31 + s);
         CHECK(journal_create(&journal, path, 1, NULL) == OK);
@@ -509,7 +504,6 @@ STORY(without_syncs_what_was_synced_last_is_there)
             open_or_repair(2);
         }
         CHECK(losses_of_bytes > 100 && journal_sync(journal, NULL) == OK && journal_audit(journal));
-        journal_close(journal);
     }
 }
 

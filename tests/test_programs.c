@@ -93,12 +93,11 @@ static enum err take(const char *line)
 static const char *name_of(const char *line)
 {
     static char text[128];
-    struct buf name = {0};
+    OWNED(buf_release) struct buf name = {0};
     CHECK(take(line) == OK);
     if (o.program)
         program_add_name(&name, &program_table, o.program);
     snprintf(text, sizeof text, "%s", buf_text(&name));
-    buf_release(&name);
     return text;
 }
 

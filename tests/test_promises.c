@@ -89,7 +89,7 @@ BEGUN_STORY(lines_of_journals_are_the_canonical_ones_still, begin_interpreter)
 {
     static const char kind[] = "canonical ";
     OWNED(buf_release) struct buf line = {0}, again = {0};
-    bool *seen = calloc(command_count(), sizeof *seen);
+    OWNED(mem_release) bool *seen = calloc(command_count(), sizeof *seen);
     must(interp, "open synth:geom");
     if (!CHECK(seen))
         return;
@@ -114,7 +114,6 @@ BEGUN_STORY(lines_of_journals_are_the_canonical_ones_still, begin_interpreter)
     for (unsigned i = 0; i < command_count(); i++)
         if (!CHECK(seen[i]))
             printf("#   %s has no canonical line\n", command_at(i)->name);
-    free(seen);
 }
 
 /* With their forms and options. */

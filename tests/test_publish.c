@@ -25,10 +25,8 @@ static int lacks(enum file_step step, const char *path)
 
 static bool holds(const char *path, const char *text)
 {
-    struct buf found = {0};
-    const bool fine = file_read(&found, path, 1000, NULL) == OK && strcmp(found.data, text) == 0;
-    buf_release(&found);
-    return fine;
+    OWNED(buf_release) struct buf found = {0};
+    return file_read(&found, path, 1000, NULL) == OK && strcmp(found.data, text) == 0;
 }
 
 static unsigned files_in_folder(void)

@@ -263,8 +263,8 @@ STORY(a_helper_ends_with_its_client)
 
 int main(void)
 {
-    struct interpreter interp;
-    struct buf scene = {0};
+    OWNED(interpreter_release) struct interpreter interp = {0};
+    OWNED(buf_release) struct buf scene = {0};
     struct fault fault = {0};
     register_helper_program = built_program("iftty-register");
     if (!make_folder(folder, "register") || interpreter_init(&interp, NULL) != OK ||
@@ -277,7 +277,5 @@ int main(void)
     const int failed = check_run();
     scene_free(procedure.scene);
     volume_release(&ch2);
-    buf_release(&scene);
-    interpreter_release(&interp);
     return failed | remove_folder(folder);
 }

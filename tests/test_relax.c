@@ -267,7 +267,7 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
             .argument = 1 + below(20),
             .reach = round % 3 ? 1 + below(FINISH_BAND_MOST) : FINISH_BAND_MOST,
         };
-        struct scene *scene = scene_of(v);
+        OWNED(scene_drop) struct scene *scene = scene_of(v);
         model(v, &list.step[0], expected.made);
         CHECK(finish_make(&label, &list, scene, team_for(round), NULL, NULL) == OK);
         if (!CHECK(agree(&expected, scene, label)))
@@ -276,7 +276,6 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
         for (int i = 0; i < v->count; i++)
             moved += expected.made[i] != v->label[i];
         mem_pages_free(label, scene->grid.cells);
-        scene_free(scene);
     }
     CHECK(moved > 600);
 }
@@ -332,7 +331,7 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
         struct relax_kept kept = {0};
         seed = (uint64_t)round + 9000;
         fill(&v);
-        struct scene *scene = scene_of(&v);
+        OWNED(scene_drop) struct scene *scene = scene_of(&v);
         list.step[0] = (struct finish_step){.kind = FINISH_RELAX,
                                             .label = FINISH_ALL_LABELS,
                                             .argument = 1 + below(20),
@@ -357,7 +356,6 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
         }
         relax_kept_release(&kept);
         CHECK_INT(relax_kept_memory(&kept), 0);
-        scene_free(scene);
     }
     CHECK(kept_fields > 100);
 }
@@ -371,7 +369,7 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
         fill(&v);
         for (int i = 0; i < v.count; i++)
             v.label[i] = 1 + (v.label[i] & 1);
-        struct scene *scene = scene_of(&v);
+        OWNED(scene_drop) struct scene *scene = scene_of(&v);
         const struct finish_box all = {
             {0, 0, 0}, {scene->grid.size[0] - 1, scene->grid.size[1] - 1, scene->grid.size[2] - 1}};
         uint8_t *label = mem_pages(scene->grid.cells);
@@ -398,7 +396,6 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
             sums = sums && u[0][i] + u[1][i] == RELAX_ONE;
         CHECK(sums);
         mem_pages_free(label, scene->grid.cells);
-        scene_free(scene);
     }
 }
 
@@ -441,13 +438,13 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
     int doubted = 0;
     for (int round = 0; round < (int)check_scaled(160); round++) {
         struct finish_list list = {0};
-        struct doubt doubt;
+        OWNED(doubt_release) struct doubt doubt = {0};
         uint8_t *label;
         seed = (uint64_t)round + 9000;
         fill(&v);
         const unsigned of = below(2) ? FINISH_ALL_LABELS : 1 + below(LABELS - 1);
         const uint32_t sweeps = round % 3 ? 1 + below(20) : 60;
-        struct scene *scene = scene_of(&v);
+        OWNED(scene_drop) struct scene *scene = scene_of(&v);
         if (below(2))
             list.step[list.count++] =
                 (struct finish_step){FINISH_MAJORITY, FINISH_ALL_LABELS, 1, 0, 0};
@@ -475,9 +472,7 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
             CHECK(is_any == (all > 0) && (!is_any || is_worst(&v, sum, axis, at)));
             doubted += is_any;
         }
-        doubt_release(&doubt);
         mem_pages_free(label, scene->grid.cells);
-        scene_free(scene);
     }
     CHECK(doubted > 40);
 }
@@ -490,7 +485,7 @@ STORY(doubt_that_cannot_be_found_is_an_error)
     struct doubt doubt;
     seed = 3;
     fill(&v);
-    struct scene *scene = scene_of(&v);
+    OWNED(scene_drop) struct scene *scene = scene_of(&v);
     for (size_t n = 0; err == ERR_MEMORY && n < 1000; n++) {
         allow_allocations(n);
         err = doubt_find(&doubt, &list, scene, NULL, FINISH_ALL_LABELS, NULL);
@@ -510,7 +505,6 @@ STORY(doubt_that_cannot_be_found_is_an_error)
     CHECK(err == OK);
     doubt_release(&doubt);
     scene->watch = NULL;
-    scene_free(scene);
 }
 
 /* A step, and its effect on a volume. */
@@ -527,16 +521,14 @@ STORY(a_stop_is_heard_wherever_it_comes)
 {
     static struct relaxed expected;
     const struct finish_list list = relax_some(&expected, 3);
-    struct scene *scene = scene_of(&expected.v);
+    OWNED(scene_drop) struct scene *scene = scene_of(&expected.v);
     CHECK(stop_finish_everywhere(scene, &list, agree, &expected) > 50);
-    scene_free(scene);
 }
 
 STORY(memory_that_runs_out_is_an_error)
 {
     static struct relaxed expected;
     const struct finish_list list = relax_some(&expected, 4);
-    struct scene *scene = scene_of(&expected.v);
+    OWNED(scene_drop) struct scene *scene = scene_of(&expected.v);
     CHECK(starve_finish_everywhere(scene, &list, agree, &expected) > 7);
-    scene_free(scene);
 }

@@ -34,7 +34,7 @@ static bool shows_voxels(const struct stage *s, const struct rendition *r)
  * from scratch. */
 static bool modes_agree(struct stage *s, struct rendition *kept)
 {
-    struct rendition bp, other;
+    OWNED(rendition_release) struct rendition bp = {0}, other = {0};
     struct shader keeper = s->shader;
     struct layers layers = s->layers;
     struct mesh mesh = s->mesh;
@@ -59,8 +59,6 @@ static bool modes_agree(struct stage *s, struct rendition *kept)
     s->mesh = mesh;
     s->shader = keeper;
     s->layers = layers;
-    rendition_release(&bp);
-    rendition_release(&other);
     return same;
 }
 

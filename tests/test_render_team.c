@@ -94,7 +94,7 @@ STORY(one_to_three_threads_draw_the_same_picture)
 /* As for forests: every thread ends whenever it is stopped. */
 STORY(a_picture_may_be_stopped_at_any_time)
 {
-    struct team *team;
+    OWNED(team_drop) struct team *team = NULL;
     uint64_t random = 5;
     OWNED(stage_release) struct stage s;
     OWNED(rendition_release) struct rendition fine;
@@ -114,5 +114,4 @@ STORY(a_picture_may_be_stopped_at_any_time)
         CHECK(err == OK || err == ERR_CANCELLED);
         s.scene->watch = NULL;
     }
-    team_free(team);
 }

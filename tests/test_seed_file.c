@@ -460,7 +460,7 @@ STORY(a_table_of_seeds_counts_against_the_limit_of_memory)
         SKIP("a sanitiser takes more memory than a limit leaves");
         return;
     }
-    char *text = malloc(LINES * LINE + 1);
+    OWNED(mem_release) char *text = malloc(LINES * LINE + 1);
     for (size_t i = 0; i < LINES; i++)
         memcpy(text + LINE * i, line, LINE);
     text[LINES * LINE] = '\0';
@@ -474,7 +474,6 @@ STORY(a_table_of_seeds_counts_against_the_limit_of_memory)
         CHECK((most_held() < held + ROOM + MORE) == is_limited);
         seeds_release(&seeds);
     }
-    free(text);
 }
 
 STORY(a_list_can_be_stopped_anywhere)

@@ -13,7 +13,7 @@ static struct fault fault;
 static enum err read_whole(const char *bytes, size_t length)
 {
     struct json_reader reader = {.bytes = bytes, .length = length};
-    struct json_member m = {0};
+    OWNED(json_member_release) struct json_member m = {0};
     enum err err;
     buf_clear(&text);
     while (!(err = json_read(&reader, &m, &fault)) && m.kind != JSON_END) {
@@ -24,7 +24,6 @@ static enum err read_whole(const char *bytes, size_t length)
             buf_printf(&text, "=%" PRId64, m.number);
         buf_add_char(&text, ' ');
     }
-    json_member_release(&m);
     return err;
 }
 

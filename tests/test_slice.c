@@ -225,7 +225,7 @@ STORY(slices_of_any_size_and_spacing_fit)
     style.crosses = style.marks_seeds = true;
     for (unsigned i = 0; i < 5 * 4 * 4 * 3; i++) {
         const uint32_t *size = sizes[i / 48], *picture = pictures[i / 3 % 4];
-        struct scene *scene = NULL;
+        OWNED(scene_drop) struct scene *scene = NULL;
         if (!CHECK(scene_new(&scene, size, NULL) == OK))
             continue;
         memcpy(scene->spacing_nm, spacings[i / 12 % 4], sizeof scene->spacing_nm);
@@ -246,7 +246,6 @@ STORY(slices_of_any_size_and_spacing_fit)
                     s.cell[p] < scene->grid.cells && !(scene->cell[s.cell[p]].flags & CELL_RIM);
             CHECK(shown > 0);
         }
-        scene_free(scene);
     }
 }
 
@@ -279,7 +278,7 @@ STORY(a_pixel_knows_its_voxel)
     struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     for (unsigned i = 0; i < 400; i++) {
         struct slice_choice choice;
-        struct scene *scene = random_scene(&seed, 12, 2000000, &choice);
+        OWNED(scene_drop) struct scene *scene = random_scene(&seed, 12, 2000000, &choice);
         uint32_t wrong = 0;
         choice.smooth = check_below(&seed, 2);
         choice.pixel_pm = check_below(&seed, 3) ? 1 + check_random(&seed) % (2 * MM) : 0;
@@ -298,7 +297,6 @@ STORY(a_pixel_knows_its_voxel)
                     wrong += slice_side_voxel(&plan.side[k], p) != v;
             }
         CHECK_INT(wrong, 0);
-        scene_free(scene);
     }
 }
 
@@ -365,7 +363,7 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     for (unsigned i = 0; i < 3000; i++) {
         struct slice_choice choice;
-        struct scene *scene = random_scene(&seed, 30, 2000000, &choice);
+        OWNED(scene_drop) struct scene *scene = random_scene(&seed, 30, 2000000, &choice);
         const unsigned order = check_below(&seed, 3);
         const uint32_t *size = scene->grid.size;
         uint32_t wrong = 0;
@@ -408,7 +406,6 @@ STORY(each_pixel_of_a_magnified_slice_shows_the_voxel_that_lies_there)
             wrong += slice_cell_at(scene, &choice, width, height, p % width, p / width) != expected;
         }
         CHECK(wrong == 0 || wrong == UINT32_MAX);
-        scene_free(scene);
     }
 }
 
@@ -419,7 +416,7 @@ STORY(the_pixel_of_a_voxel_is_where_its_centre_lies)
     unsigned shown = 0, wrong = 0;
     for (unsigned i = 0; i < 3000; i++) {
         struct slice_choice choice;
-        struct scene *scene = random_scene(&seed, 12, 1000000, &choice);
+        OWNED(scene_drop) struct scene *scene = random_scene(&seed, 12, 1000000, &choice);
         const uint32_t width = 64 + check_below(&seed, 90), height = 64 + check_below(&seed, 90);
         const uint32_t *size = scene->grid.size;
         uint32_t pixel[2];
@@ -436,7 +433,6 @@ STORY(the_pixel_of_a_voxel_is_where_its_centre_lies)
             wrong += is_there && slice_cell_at(scene, &choice, width, height, pixel[0], pixel[1]) !=
                                      grid_cell(&scene->grid, place[0], place[1], place[2]);
         }
-        scene_free(scene);
     }
     CHECK_INT(wrong, 0);
     CHECK(shown > 30000);
@@ -449,7 +445,7 @@ STORY(a_magnified_slice_goes_on_and_takes_its_place_along)
     unsigned moved = 0, ended = 0, wrong = 0;
     for (unsigned i = 0; i < 20000; i++) {
         struct slice_choice choice;
-        struct scene *scene = random_scene(&seed, 12, 2000000, &choice);
+        OWNED(scene_drop) struct scene *scene = random_scene(&seed, 12, 2000000, &choice);
         const uint32_t width = 8 + check_below(&seed, 90), height = 8 + check_below(&seed, 90);
         const int by[2] = {(int)check_below(&seed, 9) - 4, (int)check_below(&seed, 9) - 4};
         uint32_t middle[3], place[3];
@@ -481,7 +477,6 @@ STORY(a_magnified_slice_goes_on_and_takes_its_place_along)
                      from->origin2 > 2 * from->spacing_pm;
         }
         wrong += place[before.across] != choice.place[before.across];
-        scene_free(scene);
     }
     CHECK_INT(wrong, 0);
     CHECK(moved > 1000 && ended > 100);
@@ -529,7 +524,7 @@ STORY(smooth_grey_lies_between_the_four_voxels_around)
 {
     static const uint32_t size[3] = {2, 2, 1};
     static const int along[8] = {0, 0, 13, 38, 63, 88, 100, 100}; /* 12.5, 37.5, 62.5, 87.5 */
-    struct scene *scene = NULL;
+    OWNED(scene_drop) struct scene *scene = NULL;
     CHECK(scene_new_filled(&scene, size, (const uint16_t[]){0, 100, 100, 200}, NULL, NULL) == OK);
     for (int i = 0; i < 2; i++)
         scene->world_sign[i] = -1;
@@ -548,7 +543,6 @@ STORY(smooth_grey_lies_between_the_four_voxels_around)
     for (uint32_t i = 0; i < 4; i++) /* no sum overflows */
         scene->cell[grid_cell(&scene->grid, i % 2, i / 2, 0)].intensity = 65535;
     DRAWN_GREYS(scene, &choice, &style, 8, 8, {3, 4, 255});
-    scene_free(scene);
 }
 
 /* ---- labels ---- */
@@ -625,7 +619,7 @@ STORY(contours_and_hairlines_are_those_of_a_plain_search)
     static const uint32_t size[3] = {40, 30, 20};
     static const uint32_t pictures[4][2] = {{90, 70}, {400, 410}, {33, 50}, {120, 40}};
     struct slice_style style = style_of(0, 255, SLICE_CONTOUR);
-    struct scene *scene = NULL;
+    OWNED(scene_drop) struct scene *scene = NULL;
     uint64_t seed = 3;
     CHECK(scene_new(&scene, size, NULL) == OK);
     for (uint32_t c = 0; c < scene->grid.cells; c++)
@@ -658,7 +652,6 @@ STORY(contours_and_hairlines_are_those_of_a_plain_search)
         CHECK_INT(wrong, 0);
         CHECK(hairs > 0);
     }
-    scene_free(scene);
 }
 
 /* ---- marks ---- */
@@ -847,11 +840,10 @@ static void letters_are(const struct scene *scene, enum slice_plane plane, const
 STORY(letters_say_where_the_patients_sides_are)
 {
     for (unsigned o = 0; o < 48; o++) {
-        struct scene *scene = body_scene(o);
+        OWNED(scene_drop) struct scene *scene = body_scene(o);
         letters_are(scene, SLICE_AXIAL, "RLAP");
         letters_are(scene, SLICE_CORONAL, "RLSI");
         letters_are(scene, SLICE_SAGITTAL, "APSI");
-        scene_free(scene);
     }
 }
 
@@ -913,14 +905,13 @@ static struct canvas take_noted(const struct scene *scene, unsigned i)
 SCENE_STORY(plain_body, all_48_orientations_give_the_same_pictures)
 {
     for (unsigned o = 0; o < 48; o++) {
-        struct scene *turned = body_scene(o);
+        OWNED(scene_drop) struct scene *turned = body_scene(o);
         for (unsigned i = 0; i < 54; i++) {
             CHECK_INT(slice_count(turned, (enum slice_plane)(i % 3)), body_size[2 - i % 3]);
             OWNED(canvas_release) struct canvas expected = take_noted(scene, i);
             OWNED(canvas_release) struct canvas actual = take_noted(turned, i);
             CHECK(same_pixels(&actual, &expected));
         }
-        scene_free(turned);
     }
 }
 

@@ -138,7 +138,7 @@ STORY(all_that_is_counted_is_what_a_plain_recount_gives)
 {
     for (int round = 0; round < 800; round++) {
         state = (uint64_t)round;
-        struct scene *scene = random_scene();
+        OWNED(scene_drop) struct scene *scene = random_scene();
         const struct labels labels = labels_of_forest(scene);
         struct label_stats stats[256], again[256];
         struct label_measures measures[2] = {{0}};
@@ -154,7 +154,6 @@ STORY(all_that_is_counted_is_what_a_plain_recount_gives)
         }
         label_measures_release(measures);
         label_measures_release(measures + 1);
-        scene_free(scene);
     }
 }
 
@@ -269,10 +268,9 @@ static double area_of(const struct scene *scene, const struct geometry *geometry
 /* Error of the area in percent. */
 static double error_of(const struct solid *solid)
 {
-    struct scene *scene = scene_of(solid);
+    OWNED(scene_drop) struct scene *scene = scene_of(solid);
     const struct geometry geometry = geometry_of(solid);
     const double mm2 = area_of(scene, &geometry);
-    scene_free(scene);
     return 100 * (mm2 / true_area(solid) - 1);
 }
 
@@ -397,7 +395,7 @@ STORY(surfaces_on_sheared_grids_are_right_too)
 /* A cube that fills its scene. */
 STORY(the_edge_of_the_scene_is_a_surface)
 {
-    struct scene *scene;
+    OWNED(scene_drop) struct scene *scene;
     if (scene_new(&scene, (const uint32_t[3]){40, 40, 40}, NULL) != OK)
         abort();
     for (uint32_t z = 0; z < 40; z++)
@@ -407,7 +405,6 @@ STORY(the_edge_of_the_scene_is_a_surface)
     const struct solid unit = {.spacing_mm = {1, 1, 1}};
     const struct geometry geometry = geometry_of(&unit);
     CHECK(fabs(area_of(scene, &geometry) - 9600) < 0.02 * 9600);
-    scene_free(scene);
 }
 
 int main(void)

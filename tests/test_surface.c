@@ -159,7 +159,7 @@ static void net_row_of_box(void *context, int32_t x, int32_t y, int32_t z, uint3
 static struct triangles triangles_of_net(bool is_cubes)
 {
     const struct net_source source = {net_row_of_box, NULL, {4096, 4096, 4096}, is_cubes, NULL};
-    struct net net;
+    OWNED(net_release) struct net net;
     CHECK(net_make(&net, &source, (const int32_t[]){0, 0, 0}, box.size, NULL) == OK);
     struct triangles all = {calloc(2 * net.quads + 1, sizeof *all.item), 2 * net.quads};
     for (uint32_t q = 0; q < net.quads; q++) {
@@ -178,7 +178,6 @@ static struct triangles triangles_of_net(bool is_cubes)
                 false);
     }
     qsort(all.item, all.count, sizeof *all.item, places_order);
-    net_release(&net);
     return all;
 }
 
@@ -186,11 +185,10 @@ static struct triangles triangles_of_net(bool is_cubes)
 
 static void check_surface_of_box(enum kind kind)
 {
-    struct surface *s = surface_of_box(kind);
+    OWNED(surface_drop) struct surface *s = surface_of_box(kind);
     CHECK(surface_check(s));
     for (unsigned p = 0; p < s->parts && kind == CUBES; p++)
         CHECK_INT(surface_volume(s, &s->part[p]), (int64_t)(6 * s->part[p].voxels) << 30);
-    surface_free(s);
 }
 
 STORY(each_set_of_eight_voxels_has_a_closed_surface)
@@ -226,13 +224,12 @@ STORY(a_surface_has_the_triangles_of_the_net)
             for (uint32_t i = 0; i < size[0] * size[1] * size[2]; i++)
                 box.label[i] = (uint8_t)(check_below(&random, 5) > 1 ? 1 + round % 2 : 0);
         }
-        struct surface *s = surface_of_box(JOINED);
+        OWNED(surface_drop) struct surface *s = surface_of_box(JOINED);
         struct triangles of = triangles_of(s, false), net = triangles_of_net(false);
         CHECK_INT(of.count, net.count);
         CHECK(of.count == net.count && memcmp(of.item, net.item, of.count * sizeof *of.item) == 0);
         free(of.item);
         free(net.item);
-        surface_free(s);
     }
 }
 
@@ -244,11 +241,10 @@ STORY(a_surface_has_the_volume_of_its_voxels)
             if (2 * size_mm[i][2] > radius)
                 continue;
             box_of_ball(radius, size_mm[i]);
-            struct surface *s = surface_of_box(NET);
+            OWNED(surface_drop) struct surface *s = surface_of_box(NET);
             CHECK_INT(s->parts, 1);
             CHECK(fabs(volume_of(s, 0) / (double)s->part[0].voxels - 1) < 0.02);
             CHECK_INT(euler_number(&s->part[0]), 2);
-            surface_free(s);
         }
 }
 
@@ -258,14 +254,13 @@ STORY(a_net_leaves_a_ball_round)
     box_of_ball(30, (const double[]){1, 1, 1});
     double worst[2] = {0};
     for (unsigned i = 0; i < 2; i++) {
-        struct surface *s = surface_of_box(i ? NET : CUBES);
+        OWNED(surface_drop) struct surface *s = surface_of_box(i ? NET : CUBES);
         for (size_t k = 0; k < s->points; k++) {
             double squared = 0;
             for (int a = 0; a < 3; a++)
                 squared += pow((double)s->point[k].at[a] / SURFACE_ONE - 32, 2);
             worst[i] = fmax(worst[i], fabs(sqrt(squared) - 30));
         }
-        surface_free(s);
     }
     CHECK(worst[1] < 0.45 && worst[0] > 0.8);
 }
@@ -311,7 +306,7 @@ STORY(surfaces_of_labels_fit_one_another_and_the_whole)
         } else {
             box_of_noise(&random);
         }
-        struct surface *s = surface_of_box(round % 4 ? NET : CUBES);
+        OWNED(surface_drop) struct surface *s = surface_of_box(round % 4 ? NET : CUBES);
         const struct triangles ahead = triangles_of(s, false), back = triangles_of(s, true);
         const struct triangles net = triangles_of_net(round % 4 == 0);
         size_t walls = 0, found = 0, i = 0, outside = 0;
@@ -342,13 +337,12 @@ STORY(surfaces_of_labels_fit_one_another_and_the_whole)
         free(ahead.item);
         free(back.item);
         free(net.item);
-        surface_free(s);
     }
 }
 
 STORY(a_label_alone_has_a_net_of_its_own)
 {
-    struct surface *one = NULL;
+    OWNED(surface_drop) struct surface *one = NULL;
     uint64_t random = 9;
     box_of_noise(&random);
     struct surface_choice choice = {.wanted = {[1] = true}};
@@ -361,7 +355,6 @@ STORY(a_label_alone_has_a_net_of_its_own)
     CHECK(of.count == net.count && memcmp(of.item, net.item, of.count * sizeof *of.item) == 0);
     free(of.item);
     free(net.item);
-    surface_free(one);
 }
 
 /* ---- files ---- */
@@ -384,7 +377,7 @@ static struct surface *read_stl(const char *path)
     uint32_t triangles;
     memcpy(&triangles, bytes.data + 80, 4);
     CHECK_INT(bytes.length, 84 + 50 * (size_t)triangles);
-    struct surface_point *sorted = calloc(3 * triangles + 1, sizeof *sorted);
+    OWNED(mem_release) struct surface_point *sorted = calloc(3 * triangles + 1, sizeof *sorted);
     s->triangles = triangles;
     s->triangle = calloc(triangles + 1, sizeof *s->triangle);
     s->point = calloc(3 * triangles + 1, sizeof *s->point);
@@ -400,7 +393,6 @@ static struct surface *read_stl(const char *path)
                     sizeof *s->point, surface_place_order);
         s->triangle[i / 3].point[i % 3] = (uint32_t)(found - s->point);
     }
-    free(sorted);
     return s;
 }
 
@@ -441,7 +433,7 @@ STORY(files_without_numbers_of_points_are_closed_too)
         const struct surface_document document = {s, &geometry, nameless(), ""};
         const char *path = file_in(folder, "read.stl");
         CHECK(surface_write(path, FILE_REPLACE, &document, NULL, &fault) == OK);
-        struct surface *read = read_stl(path);
+        OWNED(surface_drop) struct surface *read = read_stl(path);
         CHECK_INT(read->points, s->points);
         CHECK_INT(read->triangles, s->triangles);
         CHECK(surface_check(read));
@@ -450,7 +442,6 @@ STORY(files_without_numbers_of_points_are_closed_too)
             CHECK(fabs(volume / volume_of(s, 0) - 1) < 1e-4);
             CHECK(fabs(volume / (double)s->part[0].voxels - 1) < 0.02);
         }
-        surface_free(read);
         surface_free(s);
     }
 }
@@ -460,13 +451,12 @@ STORY(fewer_triangles_are_closed_too)
     uint64_t random = 11;
     for (int round = 0; round < 200 && check_failures == 0; round++) {
         box_of_noise(&random);
-        struct surface *s = surface_of_box(round % 2 ? NET : CUBES);
+        OWNED(surface_drop) struct surface *s = surface_of_box(round % 2 ? NET : CUBES);
         const size_t was = s->triangles, most = was / (1 + check_below(&random, 8));
         CHECK(surface_reduce(s, most, NULL, NULL) == OK && surface_check(s) && s->triangles <= was);
-        surface_free(s);
     }
     box_of_ball(20, (const double[]){1, 1, 1});
-    struct surface *s = surface_of_box(NET);
+    OWNED(surface_drop) struct surface *s = surface_of_box(NET);
     const double voxels = (double)s->part[0].voxels;
     const size_t most = s->triangles / 10;
     CHECK(surface_reduce(s, most, NULL, NULL) == OK);
@@ -476,7 +466,6 @@ STORY(fewer_triangles_are_closed_too)
     CHECK(surface_reduce(s, 0, NULL, NULL) == OK); /* down to a tetrahedron at most */
     CHECK_INT(s->triangles, 4);
     CHECK(surface_check(s));
-    surface_free(s);
 }
 
 /* ---- what goes wrong ---- */
@@ -534,7 +523,7 @@ STORY(a_disk_that_is_full_leaves_the_former_file)
     char path[FOLDER_LENGTH + 16];
     geometry_place_plain(&geometry, (const double[]){1, 1, 1});
     box_of_ball(3, (const double[]){1, 1, 1});
-    struct surface *s = surface_of_box(NET);
+    OWNED(surface_drop) struct surface *s = surface_of_box(NET);
     const struct surface_document document = {s, &geometry, nameless(), ""};
     snprintf(path, sizeof path, "%s", file_in(folder, "full.ply"));
     CHECK(file_write(path, "former", 6, FILE_REPLACE, NULL) == OK);
@@ -548,7 +537,6 @@ STORY(a_disk_that_is_full_leaves_the_former_file)
         CHECK(err == OK || now.length == 6 || steps > 4); /* the last step syncs its folder */
     }
     CHECK(now.length > 1000);
-    surface_free(s);
 }
 
 STORY(a_scene_too_far_from_the_origin_is_refused)
@@ -557,12 +545,11 @@ STORY(a_scene_too_far_from_the_origin_is_refused)
     struct geometry geometry = {.spacing_nm = {1000, 1000, 1000}};
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
     box_of_ball(3, (const double[]){1, 1, 1});
-    struct surface *s = surface_of_box(NET);
+    OWNED(surface_drop) struct surface *s = surface_of_box(NET);
     const struct surface_document document = {s, &geometry, nameless(), ""};
     CHECK_INT(surface_write(file_in(folder, "far.stl"), FILE_KEEP, &document, NULL, &fault),
               ERR_LIMIT);
     CHECK_HAS(fault.text, "too far for voxels of 0.001 mm in the single precision of such files");
-    surface_free(s);
 }
 
 BEGUN_STORY(commands_say_what_they_wrote_and_what_is_wrong, begin_interpreter)

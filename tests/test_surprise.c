@@ -15,8 +15,8 @@ STORY(a_passage_is_the_strongest_edge_that_most_paths_share)
     /* A seed of label 1 at voxel 0 comes through the 5, and at last, in one voxel, the 9. */
     static const uint16_t weight[] = {1, 1, 1, 1, 5, 1, 1, 2, 1, 1, 1, 9, 1};
     enum { VOXELS = sizeof weight / sizeof *weight, REST = 400 }; /* which stays label 2's */
-    struct scene *scene;
-    struct forest *forest;
+    OWNED(scene_drop) struct scene *scene = NULL;
+    OWNED(forest_drop) struct forest *forest = NULL;
     uint32_t at = 0;
     CHECK(scene_new(&scene, (const uint32_t[]){VOXELS + REST, 1, 1}, NULL) == OK);
     CHECK(forest_new(&forest, scene, 6, NULL) == OK);
@@ -30,8 +30,6 @@ STORY(a_passage_is_the_strongest_edge_that_most_paths_share)
     CHECK(passage_find(&at, forest, 2));
     CHECK_INT(at, first + 4);
     CHECK(!passage_find(&at, forest, 1)); /* which lost nothing */
-    forest_free(forest);
-    scene_free(scene);
 }
 
 /* ---- commands ---- */

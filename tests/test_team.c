@@ -127,20 +127,18 @@ STORY(one_to_eight_workers_grow_the_same_forest)
         CHECK(team_new(&team[workers], workers, NULL) == OK);
     for (uint64_t number = FIRST; number < FIRST + check_scaled(8) && check_failures == 0;
          number++) {
-        struct world alone = random_world(number, NULL);
+        OWNED(world_free) struct world alone = random_world(number, NULL);
         grow(&alone, number);
         CHECK(forest_check(alone.forest, NULL));
         for (unsigned workers = 2; workers <= WORKERS; workers++) {
             if ((number + workers) % SHARE != 0)
                 continue;
-            struct world w = random_world(number, team[workers]);
+            OWNED(world_free) struct world w = random_world(number, team[workers]);
             grow(&w, number);
             CHECK(forest_check(w.forest, NULL));
             if (!CHECK(world_is_same(&alone, &w)))
                 printf("# world %" PRIu64 ", %u workers\n", number, workers);
-            world_free(&w);
         }
-        world_free(&alone);
     }
     for (unsigned workers = 2; workers <= WORKERS; workers++)
         team_free(team[workers]);
@@ -148,12 +146,12 @@ STORY(one_to_eight_workers_grow_the_same_forest)
 
 STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
 {
-    struct team *team;
+    OWNED(team_drop) struct team *team;
     CHECK(team_new(&team, 3, NULL) == OK);
     for (uint64_t number = FIRST; number < FIRST + check_scaled(3) && check_failures == 0;
          number++) {
         uint64_t random = number;
-        struct world w = random_world(number, team);
+        OWNED(world_free) struct world w = random_world(number, team);
         struct edit batch[BATCH];
         const size_t count = random_batch(&w, batch, &random);
         enum err err = ERR_CANCELLED;
@@ -170,18 +168,16 @@ STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
             CHECK(forest_check(w.forest, NULL));
         }
         CHECK(forest_check(w.forest, NULL));
-        world_free(&w);
     }
-    team_free(team);
 }
 
 STORY(workers_out_of_memory_leave_an_empty_forest)
 {
-    struct team *team;
+    OWNED(team_drop) struct team *team;
     CHECK(team_new(&team, 2, NULL) == OK);
     for (uint64_t number = 1; number <= 6; number++) {
         uint64_t random = number;
-        struct world w = random_world(number, NULL);
+        OWNED(world_free) struct world w = random_world(number, NULL);
         struct edit batch[BATCH];
         const size_t count = random_batch(&w, batch, &random);
         enum err err = ERR_MEMORY;
@@ -196,7 +192,5 @@ STORY(workers_out_of_memory_leave_an_empty_forest)
         mem_allows = NULL;
         CHECK(forest_seeds(w.forest) == 0 && forest_check(w.forest, NULL));
         CHECK(forest_edit(w.forest, batch, count, NULL) == OK && forest_check(w.forest, NULL));
-        world_free(&w);
     }
-    team_free(team);
 }

@@ -72,7 +72,7 @@ static void plain_proof(char hex[SHA256_HEX], const struct scene *scene)
 
 STORY(the_proof_is_what_its_header_says)
 {
-    struct scene *scene = small_scene();
+    OWNED(scene_drop) struct scene *scene = small_scene();
     char proof[SHA256_HEX], expected[SHA256_HEX];
     if (!scene)
         return;
@@ -83,12 +83,11 @@ STORY(the_proof_is_what_its_header_says)
     scene_proof(proof, scene);
     plain_proof(expected, scene);
     CHECK_TEXT(proof, expected);
-    scene_free(scene);
 }
 
 STORY(any_change_of_a_scene_changes_its_proof)
 {
-    struct scene *scene = small_scene();
+    OWNED(scene_drop) struct scene *scene = small_scene();
     char before[SHA256_HEX], after[SHA256_HEX];
     if (!scene)
         return;
@@ -111,7 +110,6 @@ STORY(any_change_of_a_scene_changes_its_proof)
     scene->cell[grid_cell(&scene->grid, 1, 1, 1)].label = 7; /* not part of the scene */
     scene_proof(after, scene);
     CHECK_TEXT(after, before);
-    scene_free(scene);
 }
 
 /* ---- names below a folder ---- */

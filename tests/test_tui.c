@@ -188,13 +188,12 @@ STORY(shrinking_takes_the_mean_of_whole_and_part_pixels)
     set_pixel(&view, 0, 0, 0x300000);
     set_pixel(&view, 1, 0, 0x600000);
     set_pixel(&view, 2, 0, 0x000030);
-    uint8_t *half = image_view_shrink(&view, 2, 1);
+    OWNED(mem_release) uint8_t *half = image_view_shrink(&view, 2, 1);
     CHECK(half != NULL);
     CHECK_INT(half[0], 0x40); /* (1 * 0x30 + 1/2 * 0x60) / 1.5 */
     CHECK_INT(half[4], 0x20);
     CHECK_INT(half[6], 0x20);
     CHECK_INT(half[7], 255);
-    free(half);
 }
 
 STORY(fitting_keeps_the_shape_and_never_enlarges)
@@ -1141,12 +1140,11 @@ static const char *screen_text(const struct screen *s)
 static const char *draw_on(struct screen *s, struct line_drawing *d, const char *text,
                            size_t cursor, const char *below)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     const struct line_content content = {
         .prompt = "> ", .text = text, .length = strlen(text), .cursor = cursor, .below = below};
     line_draw(d, &content, s->columns, s->rows, &out);
     screen_write(s, buf_text(&out), out.length);
-    buf_release(&out);
     return screen_text(s);
 }
 

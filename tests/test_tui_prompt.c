@@ -9,11 +9,10 @@ static const char *caret(const char *prompt, const char *text, size_t at, bool b
                          unsigned columns)
 {
     static char drawn[512];
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     const struct caret c = {prompt, text, at, below, false};
     caret_add(&out, &c, columns);
     snprintf(drawn, sizeof drawn, "%s", buf_text(&out));
-    buf_release(&out);
     return drawn;
 }
 
@@ -70,11 +69,10 @@ STORY(in_hardly_any_columns_there_is_no_caret)
 static const char *list(const char *words, unsigned columns, unsigned rows)
 {
     static char drawn[4096];
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     const struct candidates c = candidates_of(words);
     candidates_list(&c, columns, rows, &out);
     snprintf(drawn, sizeof drawn, "%s", buf_text(&out));
-    buf_release(&out);
     return drawn;
 }
 
@@ -144,12 +142,11 @@ STORY(words_that_mean_something_have_a_row_each_where_there_are_rows)
 static const char *draw(const char *text, size_t cursor, const char *hint, unsigned columns)
 {
     static char drawn[512];
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct line_drawing drawing = {0};
     const struct line_content content = {"> ", text, strlen(text), cursor, hint, GREY, NULL};
     line_draw(&drawing, &content, columns, 24, &out);
     snprintf(drawn, sizeof drawn, "%s", buf_text(&out));
-    buf_release(&out);
     return drawn;
 }
 

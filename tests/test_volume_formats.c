@@ -57,11 +57,10 @@ static unsigned files_of(const struct proven *p, const struct volume_format *for
     }
     if (listing)
         closedir(listing);
-    struct buf targets = {0};
+    OWNED(buf_release) struct buf targets = {0};
     snprintf(path, sizeof path, "{\"%s\", ", p->target);
     CHECK_INT(file_read(&targets, "tests/fuzz/targets.c", 1 << 20, NULL), OK);
     CHECK_HAS(buf_text(&targets), path);
-    buf_release(&targets);
     return count;
 }
 
@@ -97,7 +96,7 @@ static void comes_back(const struct volume_format *format, const char *name)
     static const double to_mm[3][4] = {{-1, 0, 0, 5.5}, {0, 1.5, 0, -20}, {0, 0, 2, 7}};
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     const char *path = file_in(folder, name);
-    struct volume volume;
+    OWNED(volume_release) struct volume volume = {0};
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
     CHECK(format->write(path, FILE_REPLACE,
                         &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", row_of_values,
@@ -113,7 +112,6 @@ static void comes_back(const struct volume_format *format, const char *name)
     for (uint32_t i = 0; i < X * Y * Z; i++)
         wrong += volume.intensity[i] != value_at(i % X, i / X % Y, i / X / Y);
     CHECK_INT(wrong, 0);
-    volume_release(&volume);
 }
 
 STORY(every_format_that_is_written_comes_back_as_it_was)

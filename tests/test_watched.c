@@ -18,12 +18,11 @@ static struct buf words;
 static const char *journal_of(const char *name, const char *lines)
 {
     static char path[FOLDER_LENGTH + 40];
-    struct interpreter maker;
+    OWNED(interpreter_release) struct interpreter maker = {0};
     snprintf(path, sizeof path, "%s/%s", folder, name);
     begin_interpreter(&maker);
     CHECK(interpreter_create_journal(&maker, path, &fault) == OK);
     must(&maker, lines);
-    interpreter_release(&maker);
     return path;
 }
 
@@ -290,7 +289,7 @@ STORY(so_is_one_with_undo_alternatives_weights_and_masks)
 /* Replace one part of a journal by another. */
 static const char *changed(const char *path, const char *what, const char *to)
 {
-    struct buf bytes = {0}, out = {0};
+    OWNED(buf_release) struct buf bytes = {0}, out = {0};
     CHECK(file_read(&bytes, path, 1 << 20, NULL) == OK);
     const char *at = strstr(buf_text(&bytes), what);
     if (CHECK(at != NULL)) {
@@ -299,8 +298,6 @@ static const char *changed(const char *path, const char *what, const char *to)
         buf_add_text(&out, at + strlen(what));
         CHECK(file_write(path, out.data, out.length, FILE_REPLACE, &fault) == OK);
     }
-    buf_release(&bytes);
-    buf_release(&out);
     return path;
 }
 

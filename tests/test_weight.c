@@ -49,12 +49,11 @@ static void row_weighs(const uint16_t *intensity, uint32_t count, const struct w
     for (int axis = 0; axis < 3; axis++) {
         uint32_t size[3] = {1, 1, 1};
         size[axis] = count;
-        struct scene *scene = scene_of(size[0], size[1], size[2], intensity);
+        OWNED(scene_drop) struct scene *scene = scene_of(size[0], size[1], size[2], intensity);
         weigh(scene, 6, by);
         for (uint32_t i = 0; i < count; i++)
             CHECK_INT(weight_at(scene, axis == 0 ? i : 0, axis == 1 ? i : 0, axis == 2 ? i : 0),
                       expected[i]);
-        scene_free(scene);
     }
 }
 
@@ -70,7 +69,7 @@ STORY(what_is_flat_weighs_nothing)
             uint16_t intensity[5 * 4 * 3];
             for (size_t i = 0; i < 60; i++)
                 intensity[i] = level[l];
-            struct scene *scene = scene_of(5, 4, 3, intensity);
+            OWNED(scene_drop) struct scene *scene = scene_of(5, 4, 3, intensity);
             for (size_t i = 0; i < scene->grid.cells; i++) /* the previous value */
                 if (!(scene->cell[i].flags & CELL_RIM))
                     scene->cell[i].weight = 7;
@@ -79,7 +78,6 @@ STORY(what_is_flat_weighs_nothing)
             for (size_t i = 0; i < scene->grid.cells; i++)
                 sum += scene->cell[i].weight;
             CHECK_INT(sum, 0);
-            scene_free(scene);
         }
 }
 
@@ -104,11 +102,10 @@ STORY(a_step_weighs_its_height_under_every_sigma)
             for (size_t i = 0; i < 64; i++)
                 step[i] = i < 32 ? 0 : height[h];
             const struct weight_choice by = {WEIGHT_GAUSS, sigma};
-            struct scene *scene = scene_of(1, 64, 1, step);
+            OWNED(scene_drop) struct scene *scene = scene_of(1, 64, 1, step);
             weigh(scene, 6, &by);
             CHECK_INT(weight_at(scene, 0, 31, 0), height[h]);
             CHECK_INT(weight_at(scene, 0, 32, 0), height[h]);
-            scene_free(scene);
         }
 }
 
@@ -118,17 +115,16 @@ STORY(a_ramp_weighs_twice_its_rise)
     row_weighs(ramp, 9, &morph1, (const uint16_t[]){5, 10, 10, 10, 10, 10, 10, 10, 5});
     row_weighs(ramp, 9, &morph3, (const uint16_t[]){15, 20, 25, 30, 30, 30, 25, 20, 15});
     row_weighs(ramp, 9, &sobel, (const uint16_t[]){5, 10, 10, 10, 10, 10, 10, 10, 5});
-    struct scene *scene = scene_of(9, 1, 1, ramp);
+    OWNED(scene_drop) struct scene *scene = scene_of(9, 1, 1, ramp);
     weigh(scene, 6, &gauss1);
     CHECK_INT(weight_at(scene, 4, 0, 0), 16); /* 10 * 65536 / (26162 + 15868) is 15.59 */
-    scene_free(scene);
 }
 
 STORY(a_corner_counts_for_sobel_by_its_square_root)
 {
     static const uint16_t corner[] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 16,
                                       0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-    struct scene *scene = scene_of(3, 3, 3, corner);
+    OWNED(scene_drop) struct scene *scene = scene_of(3, 3, 3, corner);
     weigh(scene, 6, &sobel);
     CHECK_INT(weight_at(scene, 1, 1, 1), 0);
     CHECK_INT(weight_at(scene, 0, 1, 1), 4); /* 4 * 16 / 16 */
@@ -139,7 +135,6 @@ STORY(a_corner_counts_for_sobel_by_its_square_root)
     CHECK_INT(weight_at(scene, 0, 0, 0), 0); /* three steps away */
     weigh(scene, 26, &morph1);
     CHECK_INT(weight_at(scene, 0, 0, 0), 16);
-    scene_free(scene);
 }
 
 STORY(a_single_voxel_weighs_nothing)
@@ -159,7 +154,7 @@ STORY(the_largest_intensities_do_not_overflow)
     uint16_t intensity[512];
     for (size_t i = 0; i < 512; i++)
         intensity[i] = (i & 7) + (i >> 3 & 7) + (i >> 6) > 10 ? 65535 : 0;
-    struct scene *scene = scene_of(8, 8, 8, intensity);
+    OWNED(scene_drop) struct scene *scene = scene_of(8, 8, 8, intensity);
     const struct weight_choice sharp = {WEIGHT_GAUSS, 500}, choices[] = {sobel, sharp, gauss1};
     for (size_t c = 0; c < 3; c++) {
         uint16_t most = 0;
@@ -174,7 +169,6 @@ STORY(the_largest_intensities_do_not_overflow)
     weigh(scene, 6, &morph3);
     CHECK_INT(weight_at(scene, 4, 3, 3), 65535);
     CHECK_INT(weight_at(scene, 0, 0, 0), 0);
-    scene_free(scene);
 }
 
 STORY(the_gaussian_is_a_gaussian_and_sums_up)
@@ -450,10 +444,9 @@ STORY(every_weight_of_the_table_is_what_its_oracle_says)
             const struct weight_choice by = {kind, argument};
             const struct volume v = random_volume();
             const struct volume expected = oracle->of_voxels(&v, neighbours, argument);
-            struct scene *scene = scene_of_volume(&v);
+            OWNED(scene_drop) struct scene *scene = scene_of_volume(&v);
             weigh(scene, neighbours, &by);
             CHECK(weighs_as(scene, &expected));
-            scene_free(scene);
         }
     }
 }
@@ -477,7 +470,7 @@ STORY(scenes_wider_and_higher_than_tiles_have_the_same_morph)
     for (unsigned i = 0; i < 8; i++) {
         const uint32_t *size = sizes[i / 2];
         const unsigned neighbours = i % 2 ? 26 : 6;
-        struct scene *scene;
+        OWNED(scene_drop) struct scene *scene = NULL;
         struct adjacency adjacency;
         CHECK(scene_new(&scene, size, NULL) == OK);
         adjacency_init(&adjacency, neighbours, &scene->grid);
@@ -492,7 +485,6 @@ STORY(scenes_wider_and_higher_than_tiles_have_the_same_morph)
             wrong += cell->weight != (is_rim ? 0 : morph_by_cell(cell, &adjacency));
         }
         CHECK(wrong == 0);
-        scene_free(scene);
     }
 }
 
@@ -516,7 +508,7 @@ STORY(a_mirrored_scene_has_mirrored_weights)
     for (unsigned i = 0; i < 48; i++) {
         const struct weight_choice *by = &choices[i % 6];
         const struct volume v = random_volume(), m = mirrored(&v, i / 6);
-        struct scene *scene = scene_of_volume(&v), *mirror = scene_of_volume(&m);
+        OWNED(scene_drop) struct scene *scene = scene_of_volume(&v), *mirror = scene_of_volume(&m);
         struct volume weights = v;
         weigh(scene, 26, by);
         weigh(mirror, 26, by);
@@ -527,8 +519,6 @@ STORY(a_mirrored_scene_has_mirrored_weights)
         }
         weights = mirrored(&weights, i / 6);
         CHECK(weighs_as(mirror, &weights));
-        scene_free(scene);
-        scene_free(mirror);
     }
 }
 
@@ -538,11 +528,11 @@ STORY(every_team_gives_the_same_weights)
     const struct weight_choice choices[] = {morph1, morph2, morph3,
                                             sobel,  gauss1, {WEIGHT_GAUSS, 4200}};
     for (unsigned workers = 1; workers < SIDE_MOST + 3; workers++) { /* more than planes, too */
-        struct team *team;
+        OWNED(team_drop) struct team *team;
         CHECK(team_new(&team, workers, NULL) == OK);
         for (unsigned i = 0; i < 30; i++) {
             const struct volume v = random_volume();
-            struct scene *scene = scene_of_volume(&v);
+            OWNED(scene_drop) struct scene *scene = scene_of_volume(&v);
             weigh(scene, 26, &choices[i % 6]);
             const uint64_t alone = weight_digest(scene, &arcs, NULL);
             for (size_t k = 0; k < scene->grid.cells; k++)
@@ -550,9 +540,7 @@ STORY(every_team_gives_the_same_weights)
             weigh_by_team(scene, 26, &choices[i % 6], team);
             CHECK(weight_digest(scene, &arcs, NULL) == alone);
             CHECK(weight_digest(scene, &arcs, team) == alone);
-            scene_free(scene);
         }
-        team_free(team);
     }
 }
 
@@ -573,7 +561,7 @@ static void check_plain(const uint32_t size[3], const uint16_t *intensity, unsig
                         struct team *team)
 {
     const struct arc_rule arcs = {0};
-    struct scene *expected = scene_of(size[0], size[1], size[2], intensity);
+    OWNED(scene_drop) struct scene *expected = scene_of(size[0], size[1], size[2], intensity);
     struct scene *scene = plain_scene(size, intensity);
     struct adjacency adjacency;
     char proof[SHA256_HEX], expected_proof[SHA256_HEX];
@@ -597,7 +585,6 @@ static void check_plain(const uint32_t size[3], const uint16_t *intensity, unsig
     weigh_by_team(scene, neighbours, &morph1, team);
     CHECK(memcmp(scene->cell, expected->cell, scene->grid.cells * sizeof *scene->cell) == 0);
     scene_free(scene);
-    scene_free(expected);
 }
 
 STORY(a_plain_scene_tells_what_its_cells_will_hold)
@@ -605,7 +592,7 @@ STORY(a_plain_scene_tells_what_its_cells_will_hold)
     enum { VALUES = 70 * 4 * 5 };
     static uint16_t intensity[VALUES];
     for (unsigned workers = 1; workers < 8; workers++) { /* more than planes, too */
-        struct team *team;
+        OWNED(team_drop) struct team *team;
         CHECK(team_new(&team, workers, NULL) == OK);
         for (uint32_t width = 1; width <= 70 && check_failures == 0; width++) {
             const uint32_t size[3] = {width, 1 + check_below(&seed, 4), 1 + check_below(&seed, 5)};
@@ -614,7 +601,6 @@ STORY(a_plain_scene_tells_what_its_cells_will_hold)
             check_plain(size, intensity, width % 2 ? 26 : 6, team);
             check_plain(size, intensity, width % 2 ? 6 : 26, team);
         }
-        team_free(team);
     }
     CHECK(weight_is_by_rows(&morph1) && !weight_is_by_rows(&morph2) && !weight_is_by_rows(&sobel));
 }
@@ -624,7 +610,7 @@ STORY(a_plain_scene_tells_what_its_cells_will_hold)
 STORY(without_memory_the_room_is_what_it_was)
 {
     static const uint16_t values[24] = {0};
-    struct scene *scene = scene_of(4, 3, 2, values);
+    OWNED(scene_drop) struct scene *scene = scene_of(4, 3, 2, values);
     OWNED(weight_work_release) struct weight_work work = {0};
     struct fault fault = {.text = ""};
     CHECK(weight_work_reserve(&work, &scene->grid, &sobel, &fault) == OK);
@@ -636,5 +622,4 @@ STORY(without_memory_the_room_is_what_it_was)
     mem_allows = NULL;
     CHECK(work.bytes == before.bytes && work.capacity == before.capacity);
     CHECK(weight_work_reserve(&work, &scene->grid, &gauss1, &fault) == OK);
-    scene_free(scene);
 }

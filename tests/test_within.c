@@ -127,12 +127,11 @@ STORY(random_edits_equal_the_oracle_and_a_run_from_scratch)
 
 STORY(threads_change_nothing)
 {
-    struct team *team;
+    OWNED(team_drop) struct team *team;
     if (!CHECK(team_new(&team, 3, NULL) == OK))
         return;
     for (unsigned i = 0; i < check_scaled(40) && check_failures == 0; i++)
         random_session(100000 + i, 12, true, team);
-    team_free(team);
 }
 
 /* ---- what is refused ---- */

@@ -49,9 +49,10 @@ static inline bool world_equals_scratch(const struct world *w, struct team *team
                                         const struct reach *reach, unsigned reaches)
 {
     const struct grid *g = &w->scene->grid;
+    OWNED(world_free)
     struct world fresh =
         world_new(g->size[0], g->size[1], g->size[2], forest_adjacency(w->forest)->count);
-    struct edit *seed = malloc((g->voxels + 1) * sizeof *seed);
+    OWNED(mem_release) struct edit *seed = malloc((g->voxels + 1) * sizeof *seed);
     size_t seeds = 0;
     CHECK(!team || forest_set_team(fresh.forest, team, NULL) == OK);
     for (uint32_t i = 0; i < g->cells; i++) {
@@ -72,10 +73,7 @@ static inline bool world_equals_scratch(const struct world *w, struct team *team
     }
     forest_set_arcs(fresh.forest, forest_arcs(w->forest));
     CHECK(forest_edit(fresh.forest, seed, seeds, NULL) == OK);
-    const bool same = world_is_same(w, &fresh);
-    free(seed);
-    world_free(&fresh);
-    return same;
+    return world_is_same(w, &fresh);
 }
 
 #endif

@@ -5,6 +5,7 @@
 #define TESTS_BENCH_BENCH_H
 
 #include "command/interpreter.h"
+#include "tests/drop.h"
 #include "program/program.h"
 #include "engine/forest.h"
 #include "render/rendition.h"

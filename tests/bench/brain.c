@@ -88,7 +88,7 @@ static void choose_seeds(struct edit seed[SEEDS], const struct interpreter *inte
 {
     const struct grid *grid = &interp->session->scene->grid;
     struct volume atlas = {0};
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     uint64_t state = 1;
     if (interpreter_find_scene(interp, "aal.nii.gz", false, &path, NULL) == OK &&
         volume_read(&atlas, buf_text(&path), NULL, NULL, NULL) == OK &&
@@ -104,14 +104,13 @@ static void choose_seeds(struct edit seed[SEEDS], const struct interpreter *inte
             seed[chosen++] = (struct edit){cell, (int16_t)label, 0};
     }
     volume_release(&atlas);
-    buf_release(&path);
 }
 
 /* The forest from nothing, by one of its own over the scene, which is left without seeds. */
 static void time_growing(struct scene *scene, const struct edit seed[SEEDS], unsigned neighbours,
                          struct team *team, struct times *times)
 {
-    struct forest *forest;
+    OWNED(forest_drop) struct forest *forest = NULL;
     struct edit none[SEEDS];
     for (int i = 0; i < SEEDS; i++)
         none[i] = (struct edit){seed[i].cell, EDIT_ERASE, 0};
@@ -124,7 +123,6 @@ static void time_growing(struct scene *scene, const struct edit seed[SEEDS], uns
             times_add(times, begin);
         must(forest_edit(forest, none, SEEDS, &bench_fault));
     }
-    forest_free(forest);
 }
 
 /* Each edit as the user feels it: forest, border, digests, picture. Planted in the middle half of
@@ -222,9 +220,9 @@ static void write_way(struct json *json, struct bench_way *way)
 
 enum err run_brain(const struct options *o, struct fault *fault)
 {
-    struct interpreter interp;
-    struct buf path = {0};
-    struct bench_way *way = must_have(sizeof *way);
+    OWNED(interpreter_release) struct interpreter interp = {0};
+    OWNED(buf_release) struct buf path = {0};
+    OWNED(mem_release) struct bench_way *way = must_have(sizeof *way);
     (void)fault;
     must(interpreter_init(&interp, &bench_fault));
     way->scene = o->scene ? o->scene : "ch2.nii.gz";
@@ -239,9 +237,6 @@ enum err run_brain(const struct options *o, struct fault *fault)
         write_way(bench_json(), way);
     else
         print_way(way);
-    free(way);
-    buf_release(&path);
-    interpreter_release(&interp);
     return OK;
 }
 
@@ -321,7 +316,7 @@ static struct cost time_whole(const struct graphics *by, const struct image_view
 {
     struct frames f;
     struct image_view fitting = *view;
-    uint8_t *small = NULL;
+    OWNED(mem_release) uint8_t *small = NULL;
     begin_frames(&f, by, view->width);
     painter_size(&f.painter, &fitting.width, &fitting.height);
     if (fitting.width < view->width)
@@ -331,7 +326,6 @@ static struct cost time_whole(const struct graphics *by, const struct image_view
         painter_forget(&f.painter);
         time_frame(&f, &fitting);
     }
-    free(small);
     return end_frames(&f);
 }
 
@@ -350,7 +344,7 @@ static bool is_full(const struct image_view *view, uint32_t left, uint32_t top)
 static struct cost time_patches(const struct graphics *by, const struct image_view *view)
 {
     const size_t all = 4 * (size_t)view->width * view->height;
-    uint8_t *rgba = must_have(all);
+    OWNED(mem_release) uint8_t *rgba = must_have(all);
     struct image_view changed = *view;
     struct frames f;
     changed.rgba = rgba;
@@ -369,7 +363,6 @@ static struct cost time_patches(const struct graphics *by, const struct image_vi
             time_frame(&f, &changed);
             time_frame(&f, view);
         }
-    free(rgba);
     return end_frames(&f);
 }
 
@@ -388,7 +381,7 @@ static void time_picture(const struct image_view *view, struct cost *whole, stru
 static void time_painter(struct session *session, struct costs *costs)
 {
     uint32_t hue[256];
-    struct canvas canvas = {0};
+    OWNED(canvas_release) struct canvas canvas = {0};
     struct view shown = session->now.outlook.view;
     shown.width = shown.height = RENDITION_SIDE;
     must(session_set_view(session, &shown, &bench_fault));
@@ -407,7 +400,6 @@ static void time_painter(struct session *session, struct costs *costs)
     view.width = view.height = MOSAIC_SIDE;
     view.rgba = canvas.rgba;
     time_picture(&view, costs->of[MOSAIC], NULL);
-    canvas_release(&canvas);
 }
 
 static void print_costs(const struct costs *costs)
@@ -454,8 +446,8 @@ static void write_costs(struct json *json, const struct costs *costs)
 
 enum err run_terminal(const struct options *o, struct fault *fault)
 {
-    struct interpreter interp;
-    struct buf journal = {0}, lines_of_it = {0};
+    OWNED(interpreter_release) struct interpreter interp = {0};
+    OWNED(buf_release) struct buf journal = {0}, lines_of_it = {0};
     struct costs costs = {.journal = NULL};
     (void)fault;
     must(interpreter_init(&interp, &bench_fault));
@@ -468,8 +460,5 @@ enum err run_terminal(const struct options *o, struct fault *fault)
         write_costs(bench_json(), &costs);
     else
         print_costs(&costs);
-    interpreter_release(&interp);
-    buf_release(&lines_of_it);
-    buf_release(&journal);
     return OK;
 }

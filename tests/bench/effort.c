@@ -87,7 +87,7 @@ static void check_words(struct efforts *e)
 /* False after Ctrl-C. */
 static bool run_object(struct efforts *e, size_t object)
 {
-    struct effort_object loaded;
+    OWNED(effort_object_release) struct effort_object loaded = {0};
     bool goes_on = true;
     effort_object_load(&loaded, object, &e->interp);
     must(effort_prepare(&loaded, e->folder, &bench_fault));
@@ -103,7 +103,6 @@ static bool run_object(struct efforts *e, size_t object)
         const enum err err = effort_run(run, &method[m], &loaded, e->folder, &bench_fault);
         must(err ? fault_prefix(&bench_fault, err, "%s, %s", loaded.name, method[m].name) : OK);
     }
-    effort_object_release(&loaded);
     return goes_on;
 }
 
@@ -165,7 +164,7 @@ static void print_table(const struct efforts *e, enum effort_group group)
 
 enum err run_effort(const struct options *common, struct fault *fault)
 {
-    struct efforts *e = must_have(sizeof *e);
+    OWNED(mem_release) struct efforts *e = must_have(sizeof *e);
     bool goes_on = true;
     e->options = bench_options(common);
     console_handle_interrupts();
@@ -185,6 +184,5 @@ enum err run_effort(const struct options *common, struct fault *fault)
            "collapse is a drop of\nmore than 0.05 from one gesture to the next. Times are "
            "medians, of the processor.\n");
     interpreter_release(&e->interp);
-    free(e);
     return goes_on ? OK : fault_set(fault, ERR_CANCELLED, "cancelled");
 }

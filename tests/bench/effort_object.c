@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "base/scan.h"
 #include "engine/components.h"
 #include "image/volume.h"
@@ -175,18 +176,17 @@ static void step_truth(struct matter *m, bool grows)
 
 static void read_volume(struct volume *out, const char *name, const struct interpreter *interp)
 {
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     must(interpreter_find_file(interp, name, &path, &bench_fault));
     must(volume_read(out, buf_text(&path), NULL, NULL, &bench_fault));
     /* If a file has two different places, iftty uses neither; in these files the sform is right. */
     if (!geometry_has_place(&out->geometry) && out->geometry.sform.code)
         geometry_take_form(&out->geometry, ORIENTATION_SFORM);
-    buf_release(&path);
 }
 
 static struct matter matter_read(const struct row *r, const struct interpreter *interp)
 {
-    struct volume scene = {0}, map = {0};
+    OWNED(volume_release) struct volume scene = {0}, map = {0};
     read_volume(&scene, r->scene, interp);
     read_volume(&map, r->map, interp);
     struct matter m = matter_new(scene.size);
@@ -194,8 +194,6 @@ static struct matter matter_read(const struct row *r, const struct interpreter *
     mark_regions(&m, &scene, &map, r);
     for (int i = 0; i < 2 * r->closed; i++)
         step_truth(&m, i < r->closed);
-    volume_release(&scene);
-    volume_release(&map);
     return m;
 }
 
@@ -238,10 +236,10 @@ static void grow_bounds(uint32_t first[3], uint32_t last[3], const struct place 
 /* Keep the largest component of the truth, and find the box around it. */
 static void keep_largest(struct matter *m, uint32_t first[3], uint32_t last[3])
 {
-    struct components pieces = {0};
+    OWNED(components_release) struct components pieces = {0};
     struct grid grid;
     must(grid_init(&grid, m->size, &bench_fault));
-    uint8_t *label = must_have(grid.cells);
+    OWNED(mem_release) uint8_t *label = must_have(grid.cells);
     for (size_t r = 0; r < (size_t)grid.size[1] * grid.size[2]; r++)
         memcpy(
             label +
@@ -263,8 +261,6 @@ static void keep_largest(struct matter *m, uint32_t first[3], uint32_t last[3])
         memset(m->truth + grid_voxel(&grid, pieces.run[r].first), 1, length);
         grow_bounds(first, last, &p, length);
     }
-    free(label);
-    components_release(&pieces);
 }
 
 static void crop(struct matter *m, const uint32_t first[3], const uint32_t last[3])

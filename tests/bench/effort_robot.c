@@ -437,7 +437,7 @@ static enum err exact_ball(struct effort_robot *robot, const struct box *box, co
 enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,
                            struct effort_gesture *gesture, bool *found, struct fault *fault)
 {
-    struct components pieces = {0};
+    OWNED(components_release) struct components pieces = {0};
     mark_wrong(robot, label);
     enum err err = components_find(&pieces, &robot->grid, robot->wrong, NULL, fault);
     const struct component *piece = err ? NULL : choose(&pieces);
@@ -452,6 +452,5 @@ enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,
         if (!err && robot->is_exact)
             err = exact_ball(robot, &box, label, gesture, fault);
     }
-    components_release(&pieces);
     return err;
 }

@@ -94,7 +94,7 @@ static double clock_ms(void)
 static enum err apply(struct work *work, const struct effort_gesture *gesture, struct fault *fault)
 {
     struct labels labels;
-    struct buf line = {0};
+    OWNED(buf_release) struct buf line = {0};
     const enum effort_correction corrects = work->method->corrects;
     effort_write_command(&line, gesture,
                          work->method->limits || corrects == CORRECTS_WITHIN ||
@@ -112,7 +112,6 @@ static enum err apply(struct work *work, const struct effort_gesture *gesture, s
     for (uint32_t z = 0; !err && z < work->grid.size[2]; z++)
         for (uint32_t y = 0; y < work->grid.size[1]; y++, out += work->grid.size[0])
             labels_copy_row(&labels, grid_row(&work->grid, y, z), out);
-    buf_release(&line);
     return err;
 }
 
@@ -176,7 +175,7 @@ static enum err segment(struct effort_run *run, struct effort_robot *robot, stru
                         const char *folder, struct fault *fault)
 {
     const struct effort_method *method = work->method;
-    uint8_t *damaged = mem_new(work->object->voxels);
+    OWNED(mem_release) uint8_t *damaged = mem_new(work->object->voxels);
     struct effort_gesture gesture;
     double ms[CURVE];
     size_t times = 0;
@@ -202,7 +201,6 @@ static enum err segment(struct effort_run *run, struct effort_robot *robot, stru
     run->ms = times_median(ms, times);
     if (!err && method->corrects)
         count_repaired(run, work, damaged);
-    free(damaged);
     return err;
 }
 
@@ -217,8 +215,8 @@ static uint32_t brush_in(const struct effort_object *object, uint32_t brush)
 enum err effort_run(struct effort_run *run, const struct effort_method *method,
                     const struct effort_object *object, const char *folder, struct fault *fault)
 {
-    struct effort_robot robot;
-    struct work work = {.method = method, .object = object};
+    OWNED(effort_robot_release) struct effort_robot robot = {0};
+    OWNED(work_end) struct work work = {.method = method, .object = object};
     enum err err = effort_robot_init(&robot, object, fault);
     robot.radius_most = run->radius_most ? run->radius_most
                         : method->brush  ? brush_in(object, method->brush)
@@ -226,8 +224,6 @@ enum err effort_run(struct effort_run *run, const struct effort_method *method,
     robot.is_exact = method->corrects == CORRECTS_EXACTLY;
     err = err ? err : work_begin(&work, folder, fault);
     err = err ? err : segment(run, &robot, &work, folder, fault);
-    work_end(&work);
-    effort_robot_release(&robot);
     return err;
 }
 

@@ -350,7 +350,7 @@ enum err far_end_new(struct far_end **out, const char *program, char *const *arg
                      const char *home, const struct graphics *graphics, const struct far_line *line,
                      struct fault *fault)
 {
-    struct buf own = {0};
+    OWNED(buf_release) struct buf own = {0};
     enum err err = OK;
     struct far_end *e = *out = mem_new(sizeof *e);
     if (!e)
@@ -364,7 +364,6 @@ enum err far_end_new(struct far_end **out, const char *program, char *const *arg
         err = fault_set(fault, ERR_IO, "iftty does not lie beside the benchmarks; build it first");
     else if (!start(e, program ? program : buf_text(&own), argument, home))
         err = fault_set(fault, ERR_IO, "there is no pseudo-terminal");
-    buf_release(&own);
     return err;
 }
 

@@ -267,19 +267,18 @@ static void time_head(struct session *session, struct table *table)
 static void time_session(const char *journal, struct table *table,
                          void (*time)(struct session *, struct table *))
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     must(interpreter_init(&interp, &bench_fault));
     bench_segment(&interp, journal);
     table->team = interp.session->team, table->which = 1;
     time(interp.session, table);
     take_team(table, interp.session, 1);
     shader_release(&table->shader[0]);
-    interpreter_release(&interp);
 }
 
 enum err run_frames(const struct options *o, struct fault *fault)
 {
-    struct table *table = must_have(sizeof *table);
+    OWNED(mem_release) struct table *table = must_have(sizeof *table);
     (void)fault;
     console_handle_interrupts();
     table->text = o->words ? o->word[0] : NULL;
@@ -290,6 +289,5 @@ enum err run_frames(const struct options *o, struct fault *fault)
         write_table(bench_json(), table);
     else
         print_table(table);
-    free(table);
     return OK;
 }

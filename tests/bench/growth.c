@@ -188,8 +188,8 @@ enum err run_growth(const struct options *o, struct fault *fault)
 {
     const size_t scenes = scenes_that_fit(bench_options(o)->quick ? 2 : SCENES);
     struct watch *watch = console_watch();
-    struct growth *growth = must_have(SCENES * sizeof *growth);
-    struct scene *tile = NULL;
+    OWNED(mem_release) struct growth *growth = must_have(SCENES * sizeof *growth);
+    OWNED(scene_drop) struct scene *tile = NULL;
     struct adjacency adjacency;
     (void)fault;
     console_handle_interrupts();
@@ -213,7 +213,5 @@ enum err run_growth(const struct options *o, struct fault *fault)
         print_table(growth, scenes);
     for (size_t i = 0; i < scenes; i++)
         release(growth + i);
-    free(growth);
-    scene_free(tile);
     return OK;
 }

@@ -37,7 +37,7 @@ static void encode_many(struct buf *out)
 {
     struct record_chain chain = record_chain_zero;
     char command[64], words[128];
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     buf_clear(out);
     record_header(out, SEMANTICS);
     buf_add(&header, out->data, out->length);
@@ -49,12 +49,11 @@ static void encode_many(struct buf *out)
         const struct record record = {.number = i + 1, .command = command, .result = words};
         must(record_encode(out, &chain, i ? "" : buf_text(&header), "", &record, &bench_fault));
     }
-    buf_release(&header);
 }
 
 static void read_many(const struct buf *bytes)
 {
-    struct walk walk;
+    OWNED(walk_release) struct walk walk = {0};
     struct record record;
     must(walk_begin(&walk, bytes->data, bytes->length, &bench_fault));
     while (walk_next_sound(&walk, &record) == WALK_RECORD)
@@ -62,7 +61,6 @@ static void read_many(const struct buf *bytes)
     if (walk.over != WALK_END || walk.records != RECORDS)
         must(fault_set(&bench_fault, ERR_CHECK, "%zu of %d records were read: %s", walk.records,
                        RECORDS, walk.fault.text));
-    walk_release(&walk);
 }
 
 static void time_many(struct figures *f)
@@ -97,7 +95,7 @@ static void verify_record(struct interpreter *interp, const struct record *recor
 {
     struct replaying replaying = {.interp = interp, .judge = interp->judge};
     const struct replay_host host = replay_file_host(&replaying);
-    struct replay_report report = {0};
+    OWNED(replay_report_release) struct replay_report report = {0};
     uint64_t begin = clock_ns();
     if (gives(record, "picture") && !gives(record, "forest") && interp->session->has_scene)
         must(session_render(interp->session, RENDER_AS_KEPT, &bench_fault));
@@ -108,12 +106,11 @@ static void verify_record(struct interpreter *interp, const struct record *recor
         f->scene_ms += times_since(begin);
     else if (gives(record, "forest"))
         f->forest_ms += times_since(begin);
-    replay_report_release(&report);
 }
 
 static void verify_records(struct interpreter *interp, const struct buf *bytes, struct figures *f)
 {
-    struct walk walk;
+    OWNED(walk_release) struct walk walk = {0};
     struct record record;
     must(walk_begin(&walk, bytes->data, bytes->length, &bench_fault));
     if (walk.semantics)
@@ -124,7 +121,6 @@ static void verify_records(struct interpreter *interp, const struct buf *bytes, 
         must(fault_set(&bench_fault, ERR_CHECK, "%s",
                        walk.records ? walk.fault.text : "there are no records to verify"));
     f->records = walk.records;
-    walk_release(&walk);
 }
 
 static void verify_once(const char *path, const struct buf *bytes, struct figures *f)
@@ -159,8 +155,8 @@ static void time_verifying(const char *path, const struct buf *bytes, struct fig
 /* The records of the journal once more into a new one in a folder of its own below `where`. */
 static double time_recording(const char *where, const struct buf *bytes)
 {
-    struct buf path = {0};
-    struct journal *journal = NULL;
+    OWNED(buf_release) struct buf path = {0};
+    OWNED(journal_drop) struct journal *journal = NULL;
     struct walk walk;
     struct record record;
     buf_printf(&path, "%s/again.iftty", bench_folder(where));
@@ -171,8 +167,6 @@ static double time_recording(const char *where, const struct buf *bytes)
         must(journal_append(journal, record.command, record.result, &bench_fault));
     walk_release(&walk);
     const double ms = times_since(begin);
-    journal_close(journal);
-    buf_release(&path);
     return ms;
 }
 
@@ -234,7 +228,7 @@ static void write_figures(struct json *json, const struct figures *f)
 enum err run_journal(const struct options *o, struct fault *fault)
 {
     struct figures f = {.records = 0};
-    struct buf path = {0}, bytes = {0}, name = {0};
+    OWNED(buf_release) struct buf path = {0}, bytes = {0}, name = {0};
     struct interpreter interp;
     (void)fault;
     must(interpreter_init(&interp, &bench_fault));
@@ -259,8 +253,5 @@ enum err run_journal(const struct options *o, struct fault *fault)
         write_figures(bench_json(), &f);
     else
         print_table(&f);
-    buf_release(&name);
-    buf_release(&bytes);
-    buf_release(&path);
     return OK;
 }

@@ -322,7 +322,7 @@ static bool stored_find(const char *pilot, int kind, double of[COLUMNS])
 /* Reads what is there, and stores what was not. */
 static void stored_read(const struct figures *f)
 {
-    struct buf path = {0}, more = {0};
+    OWNED(buf_release) struct buf path = {0}, more = {0};
     double of[COLUMNS];
     must(file_program_folder(&path, &bench_fault));
     buf_add_text(&path, "/../../bench-keys.txt");
@@ -342,8 +342,6 @@ static void stored_read(const struct figures *f)
             }
     if (more.length > stored.length)
         must(file_write(buf_text(&path), more.data, more.length, FILE_REPLACE, &bench_fault));
-    buf_release(&more);
-    buf_release(&path);
 }
 
 /* Worse by a quarter, and by more than noise. */
@@ -443,12 +441,11 @@ static void write_figures(struct json *json, struct figures *f)
 
 static void find_files(struct figures *f)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     must(interpreter_init(&interp, &bench_fault));
     must(bench_find_example(&f->journal, &interp, &bench_fault));
     if (interpreter_find_scene(&interp, "ch2.nii.gz", false, &f->scene, NULL))
         must(interpreter_find_scene(&interp, "synth:geom", false, &f->scene, &bench_fault));
-    interpreter_release(&interp);
 }
 
 enum err run_keys(const struct options *o, struct fault *fault)

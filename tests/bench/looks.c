@@ -144,8 +144,8 @@ static void carry_out(struct interpreter *interp, const char *size, struct json 
 {
     struct looks looks;
     struct watch watch = {.context = &looks, .poll = look};
-    struct reply reply = {0};
-    struct buf line = {0};
+    OWNED(reply_release) struct reply reply = {0};
+    OWNED(buf_release) struct buf line = {0};
     double worst = 0;
     interp->session->watch = &watch;
     for (size_t i = 0; i < STEPS; i++) {
@@ -160,14 +160,12 @@ static void carry_out(struct interpreter *interp, const char *size, struct json 
     }
     if (!json)
         printf("%-50s %34.2f ms\n", "the longest", worst);
-    reply_release(&reply);
-    buf_release(&line);
 }
 
 /* In a folder of its own, which goes with the maps that are saved there. */
 enum err run_looks(const struct options *options, struct fault *fault)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp = {0};
     const char *folder = bench_folder(NULL);
     (void)fault;
     must(chdir(folder) == 0 ? OK : fault_errno(&bench_fault, "use", folder));
@@ -178,6 +176,5 @@ enum err run_looks(const struct options *options, struct fault *fault)
               options->json ? bench_json() : NULL);
     if (options->json)
         json_end(bench_json());
-    interpreter_release(&interp);
     return OK;
 }

@@ -127,7 +127,7 @@ struct figure_mesh {
 
 static struct figure_mesh mesh_of_net(const struct object *o)
 {
-    struct net net;
+    OWNED(net_release) struct net net = {0};
     const struct net_source source = {
         .row = object_row, .context = (void *)(uintptr_t)o, .scale = {4096, 4096, 4096}};
     const uint32_t size[3] = {(uint32_t)o->side, (uint32_t)o->side, (uint32_t)o->side};
@@ -154,7 +154,6 @@ static struct figure_mesh mesh_of_net(const struct object *o)
         memcpy(m.triangle[2 * q + 1], (uint32_t[]){c[s], c[s + 2], c[(s + 3) % 4]},
                sizeof *m.triangle);
     }
-    net_release(&net);
     return m;
 }
 
@@ -183,7 +182,7 @@ static double silhouette_of(const struct figure_mesh *m, int axis)
 {
     enum { PIXELS = 32 };
     const int u = (axis + 1) % 3, w = (axis + 2) % 3, side = SIDE * PIXELS;
-    uint8_t *is_covered = must_have((size_t)side * (size_t)side);
+    OWNED(mem_release) uint8_t *is_covered = must_have((size_t)side * (size_t)side);
     long count = 0;
     for (uint32_t t = 0; t < m->triangles; t++) {
         double p[3][2], low[2] = {side, side}, high[2] = {0, 0};
@@ -208,7 +207,6 @@ static double silhouette_of(const struct figure_mesh *m, int axis)
     }
     for (int i = 0; i < side * side; i++)
         count += is_covered[i];
-    free(is_covered);
     return sqrt((double)count / 3.14159265358979) / PIXELS;
 }
 
@@ -266,7 +264,7 @@ static void measure_balls(double radius)
         long count;
         while ((count = fill(&o)) == 0)
             ;
-        struct figure_mesh m = mesh_of_net(&o);
+        OWNED(figure_mesh_release) struct figure_mesh m = mesh_of_net(&o);
         const double volume = volume_of(&m), off = volume / (double)count - 1;
         by_volume += cbrt(volume * 3 / 4 / 3.14159265358979) / BALLS;
         seen += silhouette_of(&m, i % 3) / BALLS;
@@ -278,7 +276,6 @@ static void measure_balls(double radius)
                 p[k] = m.at[v][k] - o.middle[k];
             add_angle(m.normal[v], p);
         }
-        figure_mesh_release(&m);
     }
     printf("ball %5.2f: radius by volume %6.3f, seen %6.3f; volume/voxels %.4f, worst %+.4f; "
            "normals %4.1f %4.1f\n",
@@ -295,12 +292,11 @@ static void measure_rods(double radius)
     for (int i = 0; i < BALLS; i++) {
         turn_by_chance(&o);
         fill(&o);
-        struct figure_mesh m = mesh_of_net(&o);
+        OWNED(figure_mesh_release) struct figure_mesh m = mesh_of_net(&o);
         const double r = rod_radius_of(&m, &o);
         mean += r / BALLS;
         least_one = fmin(least_one, r);
         most_one = fmax(most_one, r);
-        figure_mesh_release(&m);
     }
     printf("rod  %5.2f: radius by volume %6.3f (%.3f to %.3f)\n", radius, mean, least_one,
            most_one);
@@ -321,7 +317,7 @@ static void measure_sheets(const char *name, double thickness,
     for (int i = 0; i < DIRECTIONS; i++) {
         turn_by_chance(&o);
         fill(&o);
-        struct figure_mesh m = mesh_of_net(&o);
+        OWNED(figure_mesh_release) struct figure_mesh m = mesh_of_net(&o);
         const double most = fabs(o.along[0]) + fabs(o.along[1]) + fabs(o.along[2]);
         const double half = is_in == in_plate ? most / 2 : is_in == in_sheet ? thickness / 2 : 0;
         double sums[2] = {0}, counts[2] = {0};
@@ -349,7 +345,6 @@ static void measure_sheets(const char *name, double thickness,
         }
         thick += half > 0 ? sums[0] / fmax(1, counts[0]) + sums[1] / fmax(1, counts[1]) : 0;
         is += 2 * half;
-        figure_mesh_release(&m);
     }
     printf("%s: ripple %.4f (mean %+.4f), normals %4.1f %4.1f", name,
            sqrt(square / (double)count - mean * mean / (double)count / (double)count),

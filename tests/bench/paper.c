@@ -129,7 +129,7 @@ static void prepare(struct interpreter *interp, struct seeds *seeds,
 {
     const struct source *from = choice->from;
     struct session *session = interp->session;
-    struct procedure procedure = {0};
+    OWNED(procedure_release) struct procedure procedure = {0};
     procedure_load(&procedure, interp, from->base, from->atlas);
     if (strcmp(from->file, from->base) != 0) {
         session_reset(session);
@@ -139,15 +139,14 @@ static void prepare(struct interpreter *interp, struct seeds *seeds,
         session_settle(session);
     }
     must(procedure_seeds(seeds, &procedure, session, &bench_fault));
-    procedure_release(&procedure);
 }
 
 static void run_scene(struct run *run)
 {
     const struct trial_watch watch = {advanced, run};
     struct trial *trial = &run->trial[run->at];
-    struct seeds seeds = {0};
-    struct interpreter interp;
+    OWNED(seeds_release) struct seeds seeds = {0};
+    OWNED(interpreter_release) struct interpreter interp;
     must(interpreter_init(&interp, &bench_fault));
     if (!goes_on(run, "opening", 0))
         must(fault_set(&bench_fault, ERR_CANCELLED, "cancelled"));
@@ -156,13 +155,11 @@ static void run_scene(struct run *run)
     bench_subject = NULL;
     must(trial_run(trial, interp.session, &seeds, run->steps, (unsigned)run->options->rounds,
                    &watch, &bench_fault));
-    seeds_release(&seeds);
-    interpreter_release(&interp);
 }
 
 enum err run_paper(const struct options *common, struct fault *fault)
 {
-    struct run *run = must_have(sizeof *run);
+    OWNED(mem_release) struct run *run = must_have(sizeof *run);
     (void)fault;
     console_handle_interrupts();
     run->options = bench_options(common);
@@ -174,6 +171,5 @@ enum err run_paper(const struct options *common, struct fault *fault)
             report_scenes(stdout, &run->trial[run->at], 1);
     }
     (common->json ? report_json : report_summary)(stdout, run->trial, run->scenes);
-    free(run);
     return OK;
 }

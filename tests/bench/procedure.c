@@ -95,7 +95,7 @@ static enum err draw_kind(struct procedure *procedure, unsigned k, const struct 
         .each = SPARE * kind->wanted / (uint32_t)(kind->last - kind->first + 1) + 8,
         .generator = 1,
     };
-    struct seeds seeds = {0};
+    OWNED(seeds_release) struct seeds seeds = {0};
     struct region_tally tally;
     memcpy(work->intensity, region, grid->voxels * sizeof *region);
     enum err err = seeds_from_map(&seeds, &tally, work, grid, &choice, NULL, fault);
@@ -109,7 +109,6 @@ static enum err draw_kind(struct procedure *procedure, unsigned k, const struct 
             .kind = k, .order = hash_mix_at(grid_voxel(grid, seeds.edit[i].cell), k)};
         geometry_point(&base->geometry, (const uint32_t[]){p.x, p.y, p.z}, place->mm);
     }
-    seeds_release(&seeds);
     return err;
 }
 
@@ -154,25 +153,22 @@ enum err procedure_make(struct procedure *procedure, const struct session *base,
 
 void procedure_open(struct interpreter *interp, const char *name)
 {
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     must(interpreter_find_scene(interp, name, false, &path, &bench_fault));
     must(session_open(interp->session, buf_text(&path), NULL, &bench_fault));
-    buf_release(&path);
 }
 
 void procedure_load(struct procedure *procedure, struct interpreter *interp, const char *base,
                     const char *atlas)
 {
-    struct volume map = {0};
-    struct buf path = {0};
+    OWNED(volume_release) struct volume map = {0};
+    OWNED(buf_release) struct buf path = {0};
     procedure_open(interp, base);
     if (atlas) {
         must(interpreter_find_file(interp, atlas, &path, &bench_fault));
         must(volume_read(&map, buf_text(&path), NULL, NULL, &bench_fault));
     }
     must(procedure_make(procedure, interp->session, atlas ? &map : NULL, &bench_fault));
-    volume_release(&map);
-    buf_release(&path);
 }
 
 /* ---- the seeds of a scene ---- */
@@ -231,13 +227,12 @@ enum err procedure_seeds(struct seeds *seeds, const struct procedure *procedure,
                          const struct session *session, struct fault *fault)
 {
     *seeds = (struct seeds){.edit = must_have(PROCEDURE_SEEDS * sizeof *seeds->edit)};
-    struct turn *turn = must_have(PROCEDURE_SEEDS * sizeof *turn);
+    OWNED(mem_release) struct turn *turn = must_have(PROCEDURE_SEEDS * sizeof *turn);
     const enum err err = take_turns(turn, procedure, session, fault);
     qsort(turn, PROCEDURE_SEEDS, sizeof *turn, compare_turns);
     for (size_t i = 0; !err && i < PROCEDURE_SEEDS; i++)
         seeds->edit[seeds->count++] = turn[i].edit;
     if (err)
         seeds_release(seeds);
-    free(turn);
     return err;
 }

@@ -110,13 +110,11 @@ static void made(const struct volume *ch2, const struct placed_scene *procedure)
 
 static void take(struct volume *out, const char *name)
 {
-    struct interpreter interp;
-    struct buf path = {0};
+    OWNED(interpreter_release) struct interpreter interp = {0};
+    OWNED(buf_release) struct buf path = {0};
     must(interpreter_init(&interp, &bench_fault));
     must(interpreter_find_scene(&interp, name, false, &path, &bench_fault));
     must(volume_read(out, buf_text(&path), NULL, NULL, &bench_fault));
-    buf_release(&path);
-    interpreter_release(&interp);
 }
 
 /* Scenes as they are: other scans, another animal, a solid. */
@@ -128,13 +126,12 @@ static void others(const struct placed_scene *procedure)
     struct geometry geometry = {.spacing_nm = {1000000, 1000000, 1000000}};
     struct scene *scene;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        struct volume volume;
+        OWNED(volume_release) struct volume volume;
         take(&volume, names[i]);
         must(scene_new_plain(&scene, volume.size, volume.intensity, NULL, &bench_fault));
         volume.intensity = NULL;
         row(names[i], &(struct placed_scene){scene, &volume.geometry}, procedure, NULL);
         scene_free(scene);
-        volume_release(&volume);
     }
     must(scene_new_geom(&scene, 0, NULL, &bench_fault));
     if (geometry_place(&geometry, to_mm, ORIENTATION_FILE))
@@ -146,7 +143,7 @@ enum err run_register(const struct options *options, struct fault *fault)
 {
     struct volume ch2;
     struct subject procedure;
-    struct buf helper = {0};
+    OWNED(buf_release) struct buf helper = {0};
     (void)options, (void)fault;
     must(file_program_folder(&helper, &bench_fault));
     buf_add_text(&helper, "/../../iftty-register");
@@ -161,6 +158,5 @@ enum err run_register(const struct options *options, struct fault *fault)
     scene_free(procedure.scene);
     volume_release(&ch2);
     register_helper_program = NULL;
-    buf_release(&helper);
     return OK;
 }

@@ -248,13 +248,12 @@ static void time_slices(struct session *session, struct table *table, const char
     turn_to(session, 5, VIEW_ZOOM_ONE);
     must(session_render(session, RENDER_BORDER, &bench_fault));
     for (uint32_t i = 0; i < FRAMES; i++) {
-        struct canvas canvas = {0};
+        OWNED(canvas_release) struct canvas canvas = {0};
         for (int a = 0; a < 3; a++)
             session->now.outlook.slices.cross[a] = size[a] * (FRAMES + 2 * i) / (4 * FRAMES);
         const uint64_t begin = clock_ns();
         must(slicing_draw(&canvas, session, kind, NULL, false, &bench_fault));
         times_add(times, begin);
-        canvas_release(&canvas);
     }
 }
 
@@ -292,7 +291,7 @@ static void time_stats(struct session *session, struct table *table)
     struct label_sums sums;
     const struct labels labels = labels_of_forest(session->scene);
     for (int i = 0; i < ROUNDS; i++) {
-        struct label_measures measures = {0};
+        OWNED(label_measures_release) struct label_measures measures = {0};
         uint64_t begin = clock_ns();
         must(label_stats_find(stats, &measures, &labels, session->team, &bench_fault));
         begin = times_add(recounted, begin);
@@ -302,7 +301,6 @@ static void time_stats(struct session *session, struct table *table)
         begin = clock_ns();
         must(label_measures_sum(&measures, &labels, 1, session->team, &sums, &bench_fault));
         times_add(counts, begin);
-        label_measures_release(&measures);
     }
 }
 
@@ -335,7 +333,7 @@ static void time_following(struct session *session, struct table *table)
                               add_row(table, "    pairs, of which surfaces are made, follow")};
     static struct label_stats stats[256];
     const struct labels labels = labels_of_forest(session->scene);
-    struct label_measures measures = {0};
+    OWNED(label_measures_release) struct label_measures measures = {0};
     size_t pixel = 0;
     must(session_render(session, RENDER_BORDER, &bench_fault));
     must(label_stats_find(stats, &measures, &labels, session->team, &bench_fault));
@@ -344,7 +342,6 @@ static void time_following(struct session *session, struct table *table)
         time_measures(session, &measures, ball->seed, ball->count, times);
         time_measures(session, &measures, ball->undo, ball->count, times);
     }
-    label_measures_release(&measures);
 }
 
 /* ---- VTK ---- */
@@ -361,7 +358,7 @@ static void read_line(struct bench_vtk *out, const char *line)
 
 void bench_vtk(struct bench_vtk *out, const struct session *session)
 {
-    struct buf script = {0}, labels = {0}, command = {0};
+    OWNED(buf_release) struct buf script = {0}, labels = {0}, command = {0};
     const struct labels forest = labels_of_forest(session->scene);
     char line[1024];
     *out = (struct bench_vtk){.rows = 0};
@@ -379,9 +376,6 @@ void bench_vtk(struct bench_vtk *out, const struct session *session)
         read_line(out, line);
     if (told && pclose(told) != 0)
         out->rows = 0;
-    buf_release(&script);
-    buf_release(&labels);
-    buf_release(&command);
 }
 
 static void time_vtk(const struct session *session, struct table *table)
@@ -478,8 +472,8 @@ void bench_segment(struct interpreter *interp, const char *journal)
 
 enum err run_render(const struct options *o, struct fault *fault)
 {
-    struct interpreter interp;
-    struct table *table = must_have(sizeof *table);
+    OWNED(interpreter_release) struct interpreter interp = {0};
+    OWNED(mem_release) struct table *table = must_have(sizeof *table);
     struct look cubes = look_default(), samples = look_default();
     (void)fault;
     cubes.mode = SHADE_CUBES;
@@ -510,7 +504,5 @@ enum err run_render(const struct options *o, struct fault *fault)
         write_table(bench_json(), table, session);
     else
         print_table(table, session);
-    interpreter_release(&interp);
-    free(table);
     return OK;
 }

@@ -2,6 +2,7 @@
 #include "tests/bench/report.h"
 
 #include "base/json.h"
+#include "base/mem.h"
 
 const struct ratio_told ratio_told[RATIOS] = {
     [RATIO_IFT] = {"ift_to_dift", {"IFT/", "DIFT"}, 4, "> 4"},
@@ -242,7 +243,7 @@ static void add_scene(struct json *json, const struct trial *t)
 
 void report_json(FILE *out, const struct trial *trial, size_t count)
 {
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     struct json json = {.out = &text, .lines = 6};
     json_object(&json, NULL);
     json_count(&json, "rounds", count ? trial[0].rounds : 0);
@@ -262,5 +263,4 @@ void report_json(FILE *out, const struct trial *trial, size_t count)
     json_end(&json);
     json_end(&json);
     fputs(buf_text(&text), out);
-    buf_release(&text);
 }

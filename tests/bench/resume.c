@@ -38,8 +38,8 @@ static void write_command(struct buf *line, uint64_t *state)
 /* Record COMMANDS commands; commands that fail (nothing to undo, no tree there) do not count. */
 static void make_session(struct interpreter *interp, const char *path)
 {
-    struct buf line = {0};
-    struct reply reply = {0};
+    OWNED(buf_release) struct buf line = {0};
+    OWNED(reply_release) struct reply reply = {0};
     uint64_t state = 1;
     must(interpreter_create_journal(interp, path, &bench_fault));
     must(journal_set_sync(interp->journal, FILE_SYNC_OFF, &bench_fault));
@@ -50,13 +50,11 @@ static void make_session(struct interpreter *interp, const char *path)
         const enum err err = interpreter_execute(interp, buf_text(&line), &reply, &bench_fault);
         must(err == ERR_INPUT ? OK : err);
     }
-    reply_release(&reply);
-    buf_release(&line);
 }
 
 static double time_resuming(const char *path, uint64_t labels)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     must(interpreter_init(&interp, &bench_fault));
     interp.is_read_only = true;
     const uint64_t begin = clock_ns();
@@ -64,7 +62,6 @@ static double time_resuming(const char *path, uint64_t labels)
     const double ms = times_since(begin);
     if (forest_label_digest(interp.session->forest) != labels)
         must(fault_set(&bench_fault, ERR_CHECK, "the resumed session is another one"));
-    interpreter_release(&interp);
     return ms;
 }
 
@@ -72,7 +69,7 @@ struct bench_resume bench_resuming(void)
 {
     struct bench_resume f = {.commands = COMMANDS};
     struct interpreter interp;
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     buf_printf(&path, "%s/long.iftty", bench_folder(NULL));
     must(interpreter_init(&interp, &bench_fault));
     const uint64_t begin = clock_ns();
@@ -85,6 +82,5 @@ struct bench_resume bench_resuming(void)
         const double ms = time_resuming(buf_text(&path), labels);
         f.resume_ms = i == 0 || ms < f.resume_ms ? ms : f.resume_ms;
     }
-    buf_release(&path);
     return f;
 }

@@ -121,7 +121,7 @@ const char *bench_folder(const char *below)
 bool bench_find_in_tree(struct buf *path, const char *name)
 {
     enum { FOLDERS_ABOVE = 4 };
-    struct buf folder = {0};
+    OWNED(buf_release) struct buf folder = {0};
     bool found = false;
     if (file_program_folder(&folder, NULL))
         return false;
@@ -131,7 +131,6 @@ bool bench_find_in_tree(struct buf *path, const char *name)
         buf_printf(path, "%s/%s", buf_text(&folder), name);
         found = !path->failed && file_exists(buf_text(path));
     }
-    buf_release(&folder);
     return found;
 }
 

@@ -59,7 +59,7 @@ static bool run(struct bench_process *out, const char *program, const char *fold
 
 struct bench_process bench_turntable(const char *commands)
 {
-    struct buf journal = {0}, program = {0}, script = {0};
+    OWNED(buf_release) struct buf journal = {0}, program = {0}, script = {0};
     struct bench_process process;
     const char *folder = bench_folder(NULL);
     buf_printf(&script, "%s/script", folder);
@@ -70,8 +70,5 @@ struct bench_process bench_turntable(const char *commands)
         must(fault_set(&bench_fault, ERR_IO,
                        "the turntable of examples/brain.iftty cannot be made: expected iftty and "
                        "its image helper above this program; `make` builds them"));
-    buf_release(&journal);
-    buf_release(&program);
-    buf_release(&script);
     return process;
 }

@@ -13,6 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "tests/drop.h"
+
 typedef void fuzz_reader(const uint8_t *bytes, size_t length);
 fuzz_reader fuzz_command, fuzz_config, fuzz_csa, fuzz_exr, fuzz_helper, fuzz_journal, fuzz_keys,
     fuzz_labels, fuzz_line, fuzz_mgh, fuzz_nifti, fuzz_nrrd, fuzz_png, fuzz_procedure, fuzz_raw,

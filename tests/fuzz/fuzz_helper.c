@@ -90,43 +90,39 @@ static void check_notes(const struct picture *picture)
 
 static void read_picture(struct image_helper *helper)
 {
-    struct picture picture;
+    OWNED(picture_release) struct picture picture = {0};
     struct fault fault = {.text = ""};
     const enum err err = image_helper_read(helper, "a.png", &picture, &fault);
     check(err, &fault);
     HOLDS(!err == (picture.rgba != NULL));
     check_notes(&picture);
-    picture_release(&picture);
 }
 
 static void ask_about(struct image_helper *helper)
 {
-    struct image_facts facts;
+    OWNED(image_facts_release) struct image_facts facts = {0};
     struct fault fault = {.text = ""};
     const enum err err = image_helper_about(helper, "a.png", &facts, &fault);
     check(err, &fault);
     HOLDS(!err == (facts.channels != NULL));
     check_notes(&facts.picture);
-    image_facts_release(&facts);
 }
 
 static void write_picture(struct image_helper *helper)
 {
-    struct picture picture;
+    OWNED(picture_release) struct picture picture = {0};
     struct fault fault = {.text = ""};
     HOLDS(picture_init(&picture, 3, 2, 0, NULL) == OK);
     const enum err err = image_write(helper, "/nowhere/a.png", FILE_REPLACE, &picture, &fault);
     check(err, &fault);
     HOLDS(err); /* no file was written, for any answer */
-    picture_release(&picture);
 }
 
 static void ask_image_helper(void (*ask)(struct image_helper *helper))
 {
-    struct image_helper *helper = NULL;
+    OWNED(image_helper_drop) struct image_helper *helper = NULL;
     HOLDS(image_helper_new(&helper, "helper", NULL) == OK);
     ask(helper);
-    image_helper_free(helper);
 }
 
 static void check_lines(const char *lines)
@@ -138,8 +134,8 @@ static void check_lines(const char *lines)
 static void read_volume(void)
 {
     static const uint8_t file[] = "NRRD0004\n";
-    struct volume volume;
-    struct buf list = {0};
+    OWNED(volume_release) struct volume volume = {0};
+    OWNED(buf_release) struct buf list = {0};
     struct fault fault = {.text = ""};
     const struct volume_choice choice = {.list = &list};
     const enum err err =
@@ -149,8 +145,6 @@ static void read_volume(void)
     HOLDS(err || (volume.size[0] && volume.size[1] && volume.size[2]));
     check_lines(volume.notes);
     check_lines(buf_text(&list));
-    buf_release(&list);
-    volume_release(&volume);
 }
 
 void fuzz_helper(const uint8_t *bytes, size_t length)

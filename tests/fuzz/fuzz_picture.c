@@ -35,7 +35,7 @@ static void draw(struct picture *like, bool is_associated)
 
 static void read_golden(const char *path, const struct picture *like)
 {
-    struct picture golden;
+    OWNED(picture_release) struct picture golden = {0};
     struct fault fault = {.text = ""};
     const enum err err = exr_read_golden(&golden, path, like, NULL, &fault);
     check_words(err, &fault);
@@ -43,13 +43,12 @@ static void read_golden(const char *path, const struct picture *like)
         return;
     HOLDS(golden.width == like->width && golden.height == like->height);
     HOLDS(picture_planes(&golden) == picture_planes(like));
-    picture_release(&golden);
 }
 
 /* With the notes of the picture that was read, or NULL. */
 static void read_header(const char *path, const struct picture *picture)
 {
-    struct buf header = {0};
+    OWNED(buf_release) struct buf header = {0};
     struct exr_attribute_bytes attribute;
     struct fault fault = {.text = ""};
     size_t at = 0, notes = 0;
@@ -66,7 +65,6 @@ static void read_header(const char *path, const struct picture *picture)
     }
     HOLDS(!picture || err || notes >= picture->attributes);
     close(fd);
-    buf_release(&header);
 }
 
 void fuzz_exr(const uint8_t *bytes, size_t length)
@@ -96,13 +94,11 @@ enum { SIDE = 12 }; /* of the picture that it is compared with */
 
 static void read_again(const struct picture *picture)
 {
-    struct buf png = {0};
-    struct picture again;
+    OWNED(buf_release) struct buf png = {0};
+    OWNED(picture_release) struct picture again = {0};
     HOLDS(!png_encode(&png, SIDE, SIDE, picture->rgba, NULL));
     HOLDS(!png_read(&again, png.data, png.length, SIDE, SIDE, NULL));
     HOLDS(memcmp(again.rgba, picture->rgba, (size_t)4 * SIDE * SIDE) == 0);
-    picture_release(&again);
-    buf_release(&png);
 }
 
 static uint32_t number_at(const uint8_t *p)
@@ -160,12 +156,11 @@ static void read_one(const uint8_t *bytes, size_t length)
 
 void fuzz_png(const uint8_t *bytes, size_t length)
 {
-    uint8_t *copy = malloc(length ? length : 1);
+    OWNED(mem_release) uint8_t *copy = malloc(length ? length : 1);
     HOLDS(copy);
     read_one(bytes, length);
     if (length)
         memcpy(copy, bytes, length);
     mend(copy, length);
     read_one(copy, length);
-    free(copy);
 }

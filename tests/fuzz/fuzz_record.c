@@ -30,7 +30,7 @@ static void prepare(void)
 static void parse(const char *line)
 {
     struct call call, again;
-    struct buf first = {0}, second = {0};
+    OWNED(buf_release) struct buf first = {0}, second = {0};
     struct fault fault;
     if (command_parse(&call, line, interp.session, &fault))
         return;
@@ -44,13 +44,11 @@ static void parse(const char *line)
         call_release(&again);
     }
     call_release(&call);
-    buf_release(&first);
-    buf_release(&second);
 }
 
 void fuzz_command(const uint8_t *bytes, size_t length)
 {
-    struct buf line = {0}, words = {0};
+    OWNED(buf_release) struct buf line = {0}, words = {0};
     size_t start = 0;
     prepare();
     buf_add(&line, bytes, length);
@@ -59,8 +57,6 @@ void fuzz_command(const uint8_t *bytes, size_t length)
     command_complete(&words, &start, text, strlen(text), &interp);
     HOLDS(start <= strlen(text));
     command_hint(&words, text, strlen(text));
-    buf_release(&words);
-    buf_release(&line);
 }
 
 /* Bytes as a journal and as a script: walk, check, script; sound records encode to themselves. */
@@ -69,7 +65,7 @@ void fuzz_command(const uint8_t *bytes, size_t length)
 static void encode_again(const struct walk *walk, const struct record *record,
                          const struct record_chain *before)
 {
-    struct buf out = {0}, header = {0};
+    OWNED(buf_release) struct buf out = {0}, header = {0};
     struct record_chain after = *before;
     const struct record same = {
         .number = (size_t)record->noted, .command = record->command, .result = record->result};
@@ -82,13 +78,11 @@ static void encode_again(const struct walk *walk, const struct record *record,
         HOLDS(memcmp(out.data, bytes, out.length) == 0);
         HOLDS(strcmp(after.hex, record->chain.hex) == 0);
     }
-    buf_release(&header);
-    buf_release(&out);
 }
 
 static void walk_through(const char *bytes, size_t length)
 {
-    struct walk walk;
+    OWNED(walk_release) struct walk walk = {0};
     struct record record;
     struct record_chain before = record_chain_zero;
     uint64_t end = 0;
@@ -107,19 +101,17 @@ static void walk_through(const char *bytes, size_t length)
         end = record.end;
     }
     HOLDS(walk.over == walk_next(&walk, &record)); /* an end stays one */
-    walk_release(&walk);
 }
 
 void fuzz_journal(const uint8_t *data, size_t length)
 {
     const char *bytes = (const char *)data;
     struct journal_condition condition;
-    struct buf script = {0};
+    OWNED(buf_release) struct buf script = {0};
     struct fault fault;
     walk_through(bytes, length);
     const enum err err = journal_check(&condition, bytes, length, &fault);
     HOLDS(!err == (condition.state == JOURNAL_INTACT || condition.state == JOURNAL_SCRIPT));
     if (!journal_script(&script, bytes, length, NULL) && script.length)
         walk_through(script.data, script.length);
-    buf_release(&script);
 }

@@ -37,7 +37,7 @@ static void check(const struct surface *surface)
 
 void fuzz_surface(const uint8_t *bytes, size_t length)
 {
-    struct surface *surface = NULL;
+    OWNED(surface_drop) struct surface *surface = NULL;
     struct surface_choice choice;
     if (length < OPTIONS)
         return;
@@ -54,5 +54,4 @@ void fuzz_surface(const uint8_t *bytes, size_t length)
     check(surface);
     HOLDS(surface_reduce(surface, 4u * bytes[4], NULL, NULL) == OK);
     check(surface);
-    surface_free(surface);
 }

@@ -87,7 +87,7 @@ static void check_facts(const struct probe_replies *replies)
         struct probe_replies in = *replies;
         in.environment = (struct probe_environment){.term = terms[i]};
         struct terminal_facts facts;
-        struct buf asked = {0};
+        OWNED(buf_release) struct buf asked = {0};
         probe_decide(&in, &size, &facts);
         facts.graphics = graphics_choose(&in, graphics_auto);
         probe_questions(1, &in, graphics_asks(graphics_auto, &in.environment), &asked);
@@ -96,14 +96,13 @@ static void check_facts(const struct probe_replies *replies)
         HOLDS(facts.graphics != &graphics_sixel || replies->attributes >> 4 & 1);
         HOLDS((facts.graphics != &graphics_kitty && facts.graphics != &graphics_tiles) ||
               strstr(replies->answers, "_G"));
-        buf_release(&asked);
     }
 }
 
 void fuzz_keys(const uint8_t *bytes, size_t length)
 {
     struct probe_replies replies = {0}, same = {0};
-    struct buf typed = {0}, once = {0}, events = {0};
+    OWNED(buf_release) struct buf typed = {0}, once = {0}, events = {0};
     if (length == 0)
         return;
     const size_t read = 1 + bytes[0] % READS;
@@ -115,9 +114,6 @@ void fuzz_keys(const uint8_t *bytes, size_t length)
     HOLDS(typed.length == once.length && !memcmp(buf_text(&typed), buf_text(&once), typed.length));
     check_typed(&typed);
     check_facts(&replies);
-    buf_release(&typed);
-    buf_release(&once);
-    buf_release(&events);
 }
 
 /* Keys at the prompt, any bytes at all: the line keeps its promises (line.h), all that was done is
@@ -189,7 +185,7 @@ static void check_line(const struct line *l)
 
 static void draw(struct screen *s, struct line_drawing *drawing, const struct line *l)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     const struct line_content content = {.prompt = "s> ",
                                          .text = buf_text(&l->text),
                                          .length = l->text.length,
@@ -198,7 +194,6 @@ static void draw(struct screen *s, struct line_drawing *drawing, const struct li
                                          .grey = "\033[90m"};
     line_draw(drawing, &content, s->columns, s->rows, &out);
     screen_write(s, buf_text(&out), out.length);
-    buf_release(&out);
 }
 
 static void check_screen(const struct line_drawing *drawing, const struct line *l)
@@ -217,7 +212,7 @@ static void check_screen(const struct line_drawing *drawing, const struct line *
 
 static void edit(const uint8_t *bytes, size_t length)
 {
-    struct line l = {.history = &history, .place = history.count};
+    OWNED(line_release) struct line l = {.history = &history, .place = history.count};
     struct line_drawing drawing = {0};
     struct keys keys = {0};
     struct key_event event;
@@ -238,7 +233,6 @@ static void edit(const uint8_t *bytes, size_t length)
         check_line(&l);
     }
     HOLDS(l.text.length == 0 || !whole);
-    line_release(&l);
 }
 
 void fuzz_line(const uint8_t *bytes, size_t length)

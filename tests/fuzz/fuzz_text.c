@@ -37,10 +37,10 @@ static void check_lines(const struct buf *text)
 
 void fuzz_config(const uint8_t *bytes, size_t length)
 {
-    struct config config = {.setup = pilot_setup_default};
+    OWNED(config_release) struct config config = {.setup = pilot_setup_default};
     struct pilot_state state;
     const struct pilot_facts facts = {.zoom = 1000};
-    struct buf page = {0};
+    OWNED(buf_release) struct buf page = {0};
     buf_add_text(&config.path, "config");
     config_take(&config, (const char *)bytes, length);
     check_lines(&config.words);
@@ -57,8 +57,6 @@ void fuzz_config(const uint8_t *bytes, size_t length)
         pilot_keys_hint(&state, &facts, &page);
     }
     check_lines(&page);
-    buf_release(&page);
-    config_release(&config);
 }
 
 /* Tables of labels: what is read gives labels names that a command can hold, and colours; what is
@@ -79,10 +77,9 @@ static void check_names(const struct kept *kept)
 static bool take(struct kept *kept, const struct label_table *table)
 {
     struct label_tally tally;
-    struct regions regions;
+    OWNED(regions_release) struct regions regions;
     HOLDS(regions_read(&regions, NULL, NULL, NULL) == OK);
     const enum err err = label_table_apply(kept, &tally, table, &regions, NULL);
-    regions_release(&regions);
     return err == OK;
 }
 
@@ -94,7 +91,7 @@ void fuzz_labels(const uint8_t *bytes, size_t length)
     struct state state = state_default();
     struct label_table table, again;
     struct label_writing writing;
-    struct buf text = {0}, written = {0};
+    OWNED(buf_release) struct buf text = {0}, written = {0};
     buf_add(&text, bytes, length);
     if (label_table_read_lut(&table, bytes, length, NULL) == OK)
         HOLDS(take(&state.kept, &table));
@@ -107,8 +104,6 @@ void fuzz_labels(const uint8_t *bytes, size_t length)
         label_table_release(&again);
     }
     label_table_release(&table);
-    buf_release(&text);
-    buf_release(&written);
 }
 
 /* Procedures: what is read is written again as the same bytes, and says nothing that the engine or
@@ -160,7 +155,7 @@ static void check_procedure(const struct procedure *p)
 void fuzz_procedure(const uint8_t *bytes, size_t length)
 {
     struct procedure procedure = {.has_place = false};
-    struct buf text = {0}, written = {0};
+    OWNED(buf_release) struct buf text = {0}, written = {0};
     struct fault fault = {.text = ""};
     seal(&text, bytes, length);
     if (!text.failed && !is_large(buf_text(&text))) {
@@ -174,8 +169,6 @@ void fuzz_procedure(const uint8_t *bytes, size_t length)
         }
     }
     procedure_release(&procedure);
-    buf_release(&text);
-    buf_release(&written);
 }
 
 /* Lines of a program that drives a session, any bytes at all: each is a request, a cancel or an
@@ -194,9 +187,9 @@ static void check_request(const struct request *request)
 /* A text that was read is written, and read again: it is the same. */
 static void check_round(const struct buf *text)
 {
-    struct buf out = {0};
+    OWNED(buf_release) struct buf out = {0};
     struct json json = {.out = &out};
-    struct json_member member = {0};
+    OWNED(json_member_release) struct json_member member = {0};
     json_object(&json, NULL);
     json_bytes(&json, "text", buf_text(text), text->length);
     json_end(&json);
@@ -205,13 +198,11 @@ static void check_round(const struct buf *text)
     HOLDS(member.text.length == text->length &&
           memcmp(buf_text(&member.text), buf_text(text), text->length) == 0);
     HOLDS(json_read(&reader, &member, NULL) == OK && member.kind == JSON_END);
-    json_member_release(&member);
-    buf_release(&out);
 }
 
 void fuzz_request(const uint8_t *bytes, size_t length)
 {
-    struct inbox inbox = {0};
+    OWNED(inbox_release) struct inbox inbox = {0};
     struct fault fault;
     if (length < 1)
         return;
@@ -227,7 +218,6 @@ void fuzz_request(const uint8_t *bytes, size_t length)
         check_round(&request->words);
     }
     HOLDS(inbox.bytes == 0 && inbox.count == 0);
-    inbox_release(&inbox);
 }
 
 /* Lists of seeds: what is read lies in the scene, each voxel once, with a label; the rest is
@@ -246,26 +236,24 @@ void fuzz_seeds(const uint8_t *bytes, size_t length)
 {
     static const struct kept kept = {.label_name = {[2] = "brain", [9] = "left part"}};
     struct grid grid;
-    struct buf text = {0};
+    OWNED(buf_release) struct buf text = {0};
     HOLDS(grid_init(&grid, (const uint32_t[]){90, 80, 70}, NULL) == OK);
     buf_add(&text, bytes, length);
     for (int label = LABEL_OWN; label <= 3; label += 3 - LABEL_OWN) {
-        struct seeds seeds = {0};
+        OWNED(seeds_release) struct seeds seeds = {0};
         struct fault fault = {.text = ""};
         const enum err err =
             seeds_from_list(&seeds, buf_text(&text), length, &grid, &kept, label, NULL, &fault);
         HOLDS(!err || (seeds.count == 0 && fault.text[0] && !strpbrk(fault.text, "\n\r\033")));
         check_seeds(&seeds, &grid, label);
-        seeds_release(&seeds);
     }
-    buf_release(&text);
 }
 
 /* Transforms of ITK, as text and as MATLAB's: what is read has a name, and a refusal has words and
  * leaves the map alone. */
 void fuzz_transform(const uint8_t *bytes, size_t length)
 {
-    struct buf text = {0}, kind = {0};
+    OWNED(buf_release) struct buf text = {0}, kind = {0};
     struct affine out = {{{42}}};
     struct fault fault = {.text = ""};
     buf_add(&text, bytes, length);
@@ -273,6 +261,4 @@ void fuzz_transform(const uint8_t *bytes, size_t length)
         HOLDS(*fault.text && out.m[0][0] >= 42 && out.m[0][0] <= 42);
     else
         HOLDS(kind.length > 0);
-    buf_release(&text);
-    buf_release(&kind);
 }

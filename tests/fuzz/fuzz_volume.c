@@ -68,9 +68,9 @@ const char *fuzz_pair(const uint8_t *header, size_t header_length, const uint8_t
 /* The names of labels in any file are lines that the reader of tables accepts. */
 static void read_names(const char *path, const struct volume_choice *choice)
 {
-    struct volume_reader reader;
-    struct buf names = {0};
-    struct label_table table = {0};
+    OWNED(volume_close) struct volume_reader reader = {0};
+    OWNED(buf_release) struct buf names = {0};
+    OWNED(label_table_release) struct label_table table = {0};
     char notes[VOLUME_NOTES_BYTES] = "";
     if (volume_open(&reader, path, choice, NULL, NULL) == OK) {
         HOLDS(volume_read_names(&names, &reader, notes, NULL) == OK);
@@ -79,9 +79,6 @@ static void read_names(const char *path, const struct volume_choice *choice)
         HOLDS(!names.length ||
               label_table_read(&table, buf_text(&names), names.length, NULL) != ERR_INPUT);
     }
-    volume_close(&reader);
-    label_table_release(&table);
-    buf_release(&names);
 }
 
 void fuzz_volume(const char *path)
@@ -185,7 +182,7 @@ static uint32_t side(const uint8_t *byte)
 void fuzz_raw(const uint8_t *bytes, size_t length)
 {
     struct volume_choice choice = {.raw.type = VOXEL_INT8};
-    struct volume volume;
+    OWNED(volume_release) struct volume volume = {0};
     struct fault fault = {.text = ""};
     uint64_t voxels = 1;
     if (length < LAYOUT)
@@ -211,7 +208,6 @@ void fuzz_raw(const uint8_t *bytes, size_t length)
     HOLDS(err || voxels <= VOXELS_MOST || length > VOXELS_MOST / 1100);
     for (int a = 0; a < 3; a++)
         HOLDS(err || (volume.size[a] >= 1 && volume.size[a] <= choice.raw.size[a]));
-    volume_release(&volume);
 }
 
 /* The private header of a Siemens picture: its values are finite numbers, as many as asked for or
@@ -231,11 +227,10 @@ static void ask(const uint8_t *bytes, size_t length, const char *name)
 
 void fuzz_csa(const uint8_t *bytes, size_t length)
 {
-    uint8_t *own = malloc(length + 1); /* a byte too many read is seen */
+    OWNED(mem_release) uint8_t *own = malloc(length + 1); /* a byte too many read is seen */
     HOLDS(own);
     memcpy(own + 1, bytes, length);
     ask(own + 1, length, "NumberOfImagesInMosaic");
     ask(own + 1, length, "SliceNormalVector");
     ask(own + 1, length, "");
-    free(own);
 }

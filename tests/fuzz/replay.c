@@ -13,12 +13,11 @@ enum { CUTS = 200, FILE_MOST = 1 << 20 };
 /* A copy of the exact size, so that AddressSanitizer sees a read behind its end. */
 static void hand_over(const struct fuzz_target *target, const char *bytes, size_t length)
 {
-    uint8_t *copy = malloc(length ? length : 1);
+    OWNED(mem_release) uint8_t *copy = malloc(length ? length : 1);
     HOLDS(copy);
     if (length)
         memcpy(copy, bytes, length);
     target->read(copy, length);
-    free(copy);
 }
 
 /* One to four bytes become others: any, or a limit of their width. */
@@ -35,7 +34,7 @@ static void change(struct buf *bytes, uint64_t *random)
 static void replay(const struct fuzz_target *target, const char *path, uint64_t random,
                    unsigned changes)
 {
-    struct buf bytes = {0}, copy = {0};
+    OWNED(buf_release) struct buf bytes = {0}, copy = {0};
     struct fault fault;
     HOLDS(file_read(&bytes, path, FILE_MOST, &fault) == OK);
     hand_over(target, bytes.data, bytes.length);
@@ -47,8 +46,6 @@ static void replay(const struct fuzz_target *target, const char *path, uint64_t 
         change(&copy, &random);
         hand_over(target, copy.data, copy.length);
     }
-    buf_release(&copy);
-    buf_release(&bytes);
 }
 
 int main(int count, char **word)

@@ -74,7 +74,7 @@ void works_edits(struct edit edit[WORKS_SEEDS], const struct scene *scene, uint6
 
 int main(int count, char **word)
 {
-    struct team *team = NULL;
+    OWNED(team_drop) struct team *team = NULL;
     struct fault fault;
     const int threads = count > 2 ? atoi(word[2]) : 1;
     must_hold(count > 1 && threads >= 1 && threads <= TEAM_MOST, "works FOLDER [THREADS 1..64]");
@@ -83,6 +83,5 @@ int main(int count, char **word)
     works_engine(team);
     works_render();
     works_journal(word[1]);
-    team_free(team);
     return 0;
 }

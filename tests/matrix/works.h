@@ -9,6 +9,7 @@
 #define TESTS_MATRIX_WORKS_H
 
 #include "base/team.h"
+#include "tests/drop.h"
 #include "base/err.h"
 #include "engine/forest.h"
 #include "engine/weight.h"

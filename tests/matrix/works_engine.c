@@ -43,7 +43,7 @@ static void tell_forest(const struct forest *forest, const char *name, unsigned 
 static void weigh(struct forest *forest, struct scene *scene, const struct weight_choice *choice,
                   struct team *team)
 {
-    struct weight_work work = {.team = team};
+    OWNED(weight_work_release) struct weight_work work = {.team = team};
     struct arc_rule arcs = {.kind = weight_arcs(choice->kind)};
     struct fault fault;
     for (int label = 0; label < 6; label++)
@@ -52,7 +52,6 @@ static void weigh(struct forest *forest, struct scene *scene, const struct weigh
     weight_compute(scene, forest_adjacency(forest), choice, &work);
     forest_set_arcs(forest, &arcs);
     must(forest_rebuild(forest, &fault), &fault, "a forest from nothing");
-    weight_work_release(&work);
 }
 
 /* Grown from nothing; a third erased and replanted with other labels, bit by bit; taken back. */
@@ -80,8 +79,8 @@ static void edit_forest(struct forest *forest, const char *name, unsigned adjace
 static void forests(struct team *team, unsigned adjacency)
 {
     for (size_t i = 0; i < sizeof weights / sizeof weights[0]; i++) {
-        struct scene *scene = works_scene();
-        struct forest *forest = NULL;
+        OWNED(scene_drop) struct scene *scene = works_scene();
+        OWNED(forest_drop) struct forest *forest = NULL;
         struct fault fault;
         must(forest_new(&forest, scene, adjacency, &fault), &fault, "a forest");
         must(forest_set_team(forest, team, &fault), &fault, "a forest's team");
@@ -89,8 +88,6 @@ static void forests(struct team *team, unsigned adjacency)
         tell(weight_digest(scene, forest_arcs(forest), team), "weight/%s/%u", weights[i].name,
              adjacency);
         edit_forest(forest, weights[i].name, adjacency);
-        forest_free(forest);
-        scene_free(scene);
     }
 }
 
@@ -98,11 +95,11 @@ static void forests(struct team *team, unsigned adjacency)
 static void excludes(struct team *team)
 {
     static const struct weight_choice morph = {WEIGHT_MORPH, 1};
-    struct scene *scene = works_scene();
-    struct forest *forest = NULL;
+    OWNED(scene_drop) struct scene *scene = works_scene();
+    OWNED(forest_drop) struct forest *forest = NULL;
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
-    uint64_t *bits = mem_new(mask_bytes(&scene->grid));
+    OWNED(mem_release) uint64_t *bits = mem_new(mask_bytes(&scene->grid));
     struct roi roi = {bits, 20, 210};
     size_t count = 0;
     must_hold(bits != NULL, "room for a mask");
@@ -122,17 +119,14 @@ static void excludes(struct team *team)
             edit[count++] = edit[i];
     must(forest_edit(forest, edit, count, &fault), &fault, "the seeds");
     tell_forest(forest, "inside-roi", 6, "planted");
-    free(bits);
-    forest_free(forest);
-    scene_free(scene);
 }
 
 /* Two seeds in three end within a distance; every other is erased, or planted again without. */
 static void limits(struct team *team)
 {
     static const struct weight_choice morph = {WEIGHT_MORPH, 1};
-    struct scene *scene = works_scene();
-    struct forest *forest = NULL;
+    OWNED(scene_drop) struct scene *scene = works_scene();
+    OWNED(forest_drop) struct forest *forest = NULL;
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
     size_t refused;
@@ -154,8 +148,6 @@ static void limits(struct team *team)
     tell_forest(forest, "limited", 6, "edited");
     must(forest_count_refused(forest, &refused, &fault), &fault, "voxels out of reach");
     tell(refused, "forest/limited/6/refused");
-    forest_free(forest);
-    scene_free(scene);
 }
 
 /* ---- surfaces ---- */
@@ -182,10 +174,10 @@ static void tell_surface(const struct surface *surface, const char *name)
 static void surfaces(struct team *team)
 {
     static const struct weight_choice morph = {WEIGHT_MORPH, 1};
-    struct scene *scene = works_scene();
+    OWNED(scene_drop) struct scene *scene = works_scene();
     struct labels labels = labels_of_forest(scene);
     const struct surface_source source = {scene->grid.size, labels_row, &labels};
-    struct forest *forest = NULL;
+    OWNED(forest_drop) struct forest *forest = NULL;
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
     struct surface_choice choice = {.is_cubes = true};
@@ -195,15 +187,12 @@ static void surfaces(struct team *team)
     works_edits(edit, scene, 7);
     must(forest_edit(forest, edit, WORKS_SEEDS, &fault), &fault, "the seeds");
     for (int turn = 0; turn < 2; turn++, choice.is_cubes = false) {
-        struct surface *surface;
+        OWNED(surface_drop) struct surface *surface;
         must(surface_new(&surface, &source, &choice, NULL, &fault), &fault, "a surface");
         tell_surface(surface, turn ? "smooth" : "plain");
         must(surface_reduce(surface, surface->triangles / 5, NULL, &fault), &fault, "fewer");
         tell_surface(surface, turn ? "smooth-few" : "plain-few");
-        surface_free(surface);
     }
-    forest_free(forest);
-    scene_free(scene);
 }
 
 static void scenes(void)

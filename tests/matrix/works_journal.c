@@ -14,7 +14,7 @@ enum { RECORDS = 200 };
 
 static void write_journal(const char *path)
 {
-    struct journal *journal = NULL;
+    OWNED(journal_drop) struct journal *journal = NULL;
     struct fault fault;
     uint64_t random = 99;
     must(journal_create(&journal, path, 7, &fault), &fault, "a journal");
@@ -27,7 +27,6 @@ static void write_journal(const char *path)
             must(journal_comment(journal, "# why", &fault), &fault, "a comment");
         must(journal_append(journal, command, i % 11 ? words : "", &fault), &fault, "a record");
     }
-    journal_close(journal);
 }
 
 /* Result of journal_check for bytes, as one digest. */
@@ -68,12 +67,11 @@ static void replay(const struct buf *bytes)
     static const struct replay_options options = {0};
     unsigned executed = 0;
     const struct replay_host host = {.context = &executed, .execute = echo};
-    struct replay_report report = {0};
+    OWNED(replay_report_release) struct replay_report report = {0};
     struct fault fault = {0};
     const enum err err = replay_run(bytes->data, bytes->length, &host, &options, &report, &fault);
     must_hold(err == ERR_CHECK && report.outcome == REPLAY_DIVERGED, "a replay that diverges");
     tell(bytes_digest(fault.text, strlen(fault.text)), "journal/replay");
-    replay_report_release(&report);
 }
 
 static void golden(void)
@@ -82,8 +80,8 @@ static void golden(void)
     uint8_t rgba[2][SIDE * SIDE * 4];
     float depth[2][SIDE * SIDE];
     uint32_t voxel[2][SIDE * SIDE];
-    struct golden_difference difference;
-    struct buf text = {0};
+    OWNED(golden_difference_release) struct golden_difference difference = {0};
+    OWNED(buf_release) struct buf text = {0};
     struct fault fault;
     uint64_t random = 4;
     for (int i = 0; i < SIDE * SIDE; i++) {
@@ -104,13 +102,11 @@ static void golden(void)
     golden_describe(&text, &difference);
     tell(bytes_digest(buf_text(&text), text.length), "golden/words");
     tell(bytes_digest(difference.image, SIDE * SIDE * 4), "golden/image");
-    golden_difference_release(&difference);
-    buf_release(&text);
 }
 
 void works_journal(const char *folder)
 {
-    struct buf path = {0}, bytes = {0};
+    OWNED(buf_release) struct buf path = {0}, bytes = {0};
     struct fault fault;
     buf_printf(&path, "%s/works.iftty", folder);
     unlink(buf_text(&path));
@@ -122,6 +118,4 @@ void works_journal(const char *folder)
     broken(&bytes);
     replay(&bytes);
     golden();
-    buf_release(&bytes);
-    buf_release(&path);
 }

@@ -149,9 +149,8 @@ static void sample(struct stage *s, struct rendition *reduced, const char *name,
 static void samples(struct stage *s)
 {
     for (uint32_t n = 2; n <= SHADE_SAMPLES_MOST; n += 2) {
-        struct rendition reduced;
+        OWNED(rendition_release) struct rendition reduced;
         sample(s, &reduced, "fine", n);
-        rendition_release(&reduced);
     }
     s->look = look_default();
     resize(s, WIDTH, HEIGHT);
@@ -183,7 +182,7 @@ static void cuts(struct stage *s)
 /* Translucent objects, and the scene behind them. */
 static void translucent(struct stage *s)
 {
-    struct mip mip = {0};
+    OWNED(mip_release) struct mip mip = {0};
     uint8_t *opacity = s->border.opacity;
     const uint32_t zoom = s->view.zoom;
     for (uint32_t i = 0; i < 12; i++) {
@@ -207,7 +206,6 @@ static void translucent(struct stage *s)
             digest += hash_mix_at(pixel, mip.brightness[pixel]);
         tell(digest, "mip/%d", i);
     }
-    mip_release(&mip);
 }
 
 /* The scene behind objects that are translucent, or cover pixels in part. */
@@ -251,12 +249,11 @@ static void behind(struct stage *s)
     s->border.opacity[2] = 40;
     s->border.opacity[3] = 75;
     for (uint32_t n = 2; n <= SHADE_SAMPLES_MOST; n += 2) {
-        struct rendition reduced;
+        OWNED(rendition_release) struct rendition reduced;
         sample(s, &reduced, "behind", n);
         put_backgrounds(&reduced, "objects");
         put_mip_behind(s, &reduced);
         put_backgrounds(&reduced, "context");
-        rendition_release(&reduced);
     }
     memset(s->border.opacity, BORDER_OPAQUE, sizeof s->border.opacity);
     s->look = look_default();
@@ -322,7 +319,7 @@ static void slices(struct stage *s)
 {
     static struct slice_style style;
     static const char *const title[3] = {"axial 12", "coronal 7", "sagittal ~!"};
-    struct canvas canvas;
+    OWNED(canvas_release) struct canvas canvas = {0};
     struct fault fault;
     style = (struct slice_style){.palette = &s->palette,
                                  .visible = s->border.visible,
@@ -357,7 +354,6 @@ static void slices(struct stage *s)
         text_draw(&canvas, -3, tall, tall, "The quick br\xc3\xb6wn \xcf\x83ox\n0123 {|}~ \x7f\xff",
                   &(struct ink){{9, 200, 30}, {200, 9, 90}});
     tell(canvas_digest(&canvas), "text");
-    canvas_release(&canvas);
 }
 
 /* Decorations of a picture of four times the size, from some sides. */
@@ -365,7 +361,7 @@ static void decorations(struct stage *s)
 {
     static const struct legend_line line[] = {{2, "brain", "1.43 l"}, {3, "a label", "202 ml"}};
     const uint32_t middle = grid_cell(&s->scene->grid, 20, 19, 15);
-    struct canvas canvas;
+    OWNED(canvas_release) struct canvas canvas = {0};
     struct fault fault;
     s->view.zoom *= 4;
     resize(s, 4 * WIDTH, 4 * HEIGHT);
@@ -394,12 +390,11 @@ static void decorations(struct stage *s)
         must(decoration_draw(&canvas, &d, &fault), &fault, "decorations");
         tell(canvas_digest(&canvas), "decorated/%d", i);
     }
-    canvas_release(&canvas);
 }
 
 void works_render(void)
 {
-    struct stage stage;
+    OWNED(stage_release) struct stage stage;
     stage_set(&stage);
     views(&stage);
     looks(&stage);
@@ -411,5 +406,4 @@ void works_render(void)
     incremental(&stage);
     slices(&stage);
     decorations(&stage);
-    stage_release(&stage);
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "image/exr.h"
 #include "image/exr_write.h"
 
@@ -40,14 +41,12 @@ static void nudge(struct picture *p, const char *plane)
 
 int main(int count, char **word)
 {
-    struct picture picture;
+    OWNED(picture_release) struct picture picture = {0};
     struct fault fault = {.text = "nudge FILE.exr PLANE"};
     if (count != 3 || exr_read(&picture, word[1], &fault)) {
         fprintf(stderr, "%s\n", fault.text);
         return 1;
     }
     nudge(&picture, word[2]);
-    const enum err err = strips_write(&exr_strips, word[1], FILE_REPLACE, &picture, &fault);
-    picture_release(&picture);
-    return err != OK;
+    return strips_write(&exr_strips, word[1], FILE_REPLACE, &picture, &fault) != OK;
 }

@@ -43,12 +43,10 @@ struct workload {
 static enum err save(const struct workload *work, const char *name, const void *bytes,
                      size_t length, struct fault *fault)
 {
-    struct buf path = {0};
+    OWNED(buf_release) struct buf path = {0};
     buf_printf(&path, "%s/%s", work->folder, name);
-    enum err err = path.failed ? fault_memory(fault, "a path")
-                               : file_write(buf_text(&path), bytes, length, FILE_REPLACE, fault);
-    buf_release(&path);
-    return err;
+    return path.failed ? fault_memory(fault, "a path")
+                       : file_write(buf_text(&path), bytes, length, FILE_REPLACE, fault);
 }
 
 static enum err save_markers(const struct workload *work, int edits, struct fault *fault)
@@ -98,14 +96,13 @@ static enum err mark(struct workload *work, struct volume *map, const char *what
     const struct grid *grid = &work->scene->grid;
     const struct region_choice choice = {1, 254, NULL, label, ROUNDS, 0, 0};
     struct region_tally tally;
-    struct seeds seeds;
+    OWNED(seeds_release) struct seeds seeds = {0};
     enum err err = seeds_from_map(&seeds, &tally, map, grid, &choice, NULL, fault);
     if (err)
         return err;
     for (size_t i = 0; i < seeds.count; i++)
         work->marker[grid_voxel(grid, seeds.edit[i].cell)] = (uint8_t)(seeds.edit[i].label + 1);
     printf("%s=%u %s_voxels=%zu ", what, tally.regions, what, seeds.count);
-    seeds_release(&seeds);
     return OK;
 }
 

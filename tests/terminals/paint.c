@@ -98,24 +98,22 @@ static bool begin_picture(struct known *p, bool has_slices)
 
 static void write_picture(const struct known *p, const char *path)
 {
-    FILE *out = fopen(path, "wb");
+    OWNED(stream_release) FILE *out = fopen(path, "wb");
     if (!out)
         return;
     fprintf(out, "P6\n%u %u\n255\n", p->width, p->height);
     for (size_t i = 0; i < (size_t)p->width * p->height; i++)
         fwrite(p->rgba + 4 * i, 1, 3, out);
-    fclose(out);
 }
 
 /* Send `bytes` and wait until the terminal has received them. */
 static bool send(struct buf *bytes, struct fault *fault)
 {
-    struct buf typed = {0};
+    OWNED(buf_release) struct buf typed = {0};
     buf_add_text(bytes, "\033[c");
     const bool sent = !bytes->failed && !term_write(bytes->data, bytes->length, fault) &&
                       probe_await(1, ANSWER_MS, &typed) == 1;
     buf_clear(bytes);
-    buf_release(&typed);
     return sent;
 }
 
@@ -162,7 +160,7 @@ static void show(struct painter *painter, const struct known *p, struct buf *byt
 static bool paint(struct painter *painter, struct known *p, unsigned edits, struct sent *sent,
                   struct fault *fault)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     const uint64_t begin = clock_ns();
     buf_add_text(&bytes, "\033[?25l\033[2J");
     show(painter, p, &bytes);
@@ -176,7 +174,6 @@ static bool paint(struct painter *painter, struct known *p, unsigned edits, stru
         good = send(&bytes, fault);
     }
     sent->ms = (double)(clock_ns() - begin) / 1e6;
-    buf_release(&bytes);
     return good;
 }
 
@@ -184,28 +181,26 @@ static void write_facts(const char *path, const struct terminal_facts *facts,
                         const struct place *place, const struct sent *sent)
 {
     const struct term_size size = term_size();
-    FILE *out = fopen(path, "w");
+    OWNED(stream_release) FILE *out = fopen(path, "w");
     if (!out)
         return;
     fprintf(out, "graphics %s\ncell_width %u\ncell_height %u\ncolumns %u\nrows %u\n",
             facts->graphics->name, facts->cell_width, facts->cell_height, size.columns, size.rows);
     fprintf(out, "column %u\nrow %u\nfirst_bytes %zu\nedit_bytes %zu\nms %.1f\n", place->column,
             place->row, sent->first, sent->edits, sent->ms);
-    fclose(out);
 }
 
 /* Waits for a key, and leaves the terminal as it was. */
 static void wait_key(void)
 {
-    struct buf typed = {0};
+    OWNED(buf_release) struct buf typed = {0};
     term_read(&typed, -1, -1);
-    buf_release(&typed);
 }
 
 static bool run(const char *folder, char **word, struct fault *fault)
 {
     struct known p = {.random = strtoull(word[0], NULL, 10)};
-    struct painter painter = {0};
+    OWNED(painter_release) struct painter painter = {0};
     struct terminal_facts facts;
     struct sent sent = {0};
     struct buf typed = {0};
@@ -230,7 +225,6 @@ static bool run(const char *folder, char **word, struct fault *fault)
     snprintf(path, sizeof path, "%s/%s", folder, good ? "ready" : "failed");
     write_picture(&p, path);
     wait_key();
-    painter_release(&painter);
     free(p.rgba);
     free(p.below);
     return good;

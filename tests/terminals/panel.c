@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/mem.h"
 #include "command/execute.h"
 #include "program/programs.h"
 
@@ -27,11 +28,11 @@ static bool write_picture(const struct image_view *view, const char *path)
 
 int main(int count, char **word)
 {
-    struct interpreter interp;
+    OWNED(interpreter_release) struct interpreter interp;
     struct pilot_interpreter pilot = {.interp = &interp};
     struct pilot_host host = {.context = &pilot};
     struct image_view view;
-    struct buf told = {0};
+    OWNED(buf_release) struct buf told = {0};
     struct fault fault = {0};
     if (count != 8) {
         fputs("panel JOURNAL COLUMNS ROWS CELL_WIDTH CELL_HEIGHT PANE OUT\n", stderr);
@@ -55,7 +56,5 @@ int main(int count, char **word)
         fprintf(stderr, "%s\n", fault.text);
     const bool good = !err && write_picture(&view, word[7]);
     panes_release(&pilot.panes);
-    interpreter_release(&interp);
-    buf_release(&told);
     return good ? 0 : 1;
 }
