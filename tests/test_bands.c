@@ -32,16 +32,6 @@ static void stage_at_random(struct stage *s, uint64_t *random)
         stage_seed_at_random(s, random);
 }
 
-/* `samples` samples a pixel, both ways; the camera and the view are those of the samples. */
-static void look_at_random(struct stage *s, uint64_t *random)
-{
-    stage_look_at_random(s, random);
-    s->view.width = s->look.samples * (1 + check_below(random, 30));
-    s->view.height = s->look.samples * (1 + check_below(random, 90));
-    s->view.zoom = s->look.samples * (300 + check_below(random, 10000));
-    CHECK(camera_init(&s->camera, s->scene, &s->view, NULL) == OK);
-}
-
 /* Rows that are taken, as a picture. */
 static void take_into(void *picture, const struct rendition *rows, uint32_t top)
 {
@@ -99,7 +89,12 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
         OWNED(stage_release) struct stage s;
         OWNED(rendition_release) struct rendition fine, out;
         stage_at_random(&s, &random);
-        look_at_random(&s, &random);
+        /* `samples` samples a pixel, both ways; the camera and the view are those of the samples. */
+        stage_look_at_random(&s, &random);
+        s.view.width = s.look.samples * (1 + check_below(&random, 30));
+        s.view.height = s.look.samples * (1 + check_below(&random, 90));
+        s.view.zoom = s.look.samples * (300 + check_below(&random, 10000));
+        CHECK(camera_init(&s.camera, s.scene, &s.view, NULL) == OK);
         stage_samples_init(&s, &fine, &out);
         s.shader.team = team[number % 4];
         project_border(&fine, &s.camera, &s.mesh);

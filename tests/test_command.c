@@ -215,15 +215,6 @@ static void add_word(struct buf *out)
     buf_add_char(out, '"');
 }
 
-static void add_choice(struct buf *out, const char *choices)
-{
-    uint32_t n = 1;
-    for (const char *at = choices; *at; at++)
-        n += *at == '|';
-    const struct choice choice = choice_at(choices, below(n));
-    buf_add(out, choice.word, choice.length);
-}
-
 static void add_position(struct buf *out)
 {
     uint32_t v[3] = {below(size[0]), below(size[1]), below(size[2])};
@@ -250,7 +241,11 @@ static void add_ranges(struct buf *out, const struct parameter *p, uint32_t rang
 static void add_value(struct buf *out, const struct parameter *p)
 {
     if (p->choices && (p->type == VALUE_CHOICE || p->type == VALUE_PARTS || below(3) == 0)) {
-        add_choice(out, p->choices);
+        uint32_t n = 1;
+        for (const char *at = p->choices; *at; at++)
+            n += *at == '|';
+        const struct choice choice = choice_at(p->choices, below(n));
+        buf_add(out, choice.word, choice.length);
         return;
     }
     if (p->type == VALUE_POSITION || p->type == VALUE_LINE)

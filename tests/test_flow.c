@@ -63,30 +63,6 @@ static void send(struct line *line, struct view *view, unsigned state, size_t by
     view->deepest = line->count > view->deepest ? line->count : view->deepest;
 }
 
-static void hear(struct line *line, struct flow *flow, uint64_t now)
-{
-    while (line->count > 0 && line->frame[line->first].answer_ns <= now) {
-        line->first = (line->first + 1) % QUEUE;
-        line->count--;
-        if (line->loses > 0)
-            line->loses--;
-        else
-            flow_answered(flow, now);
-    }
-}
-
-static void look(const struct line *line, struct view *view, uint64_t now)
-{
-    for (unsigned i = 0; i < line->count; i++) {
-        const unsigned at = (line->first + i) % QUEUE;
-        if (line->frame[at].drawn_ns > now || line->frame[at].state <= view->state)
-            continue;
-        view->state = line->frame[at].state;
-        if (now - view->state * MS > view->oldest)
-            view->oldest = now - view->state * MS;
-    }
-}
-
 /* Show a picture of `full` bytes that changes every ms, from `from` to `to` ms; its state is the
  * time. Continue until everything sent has been drawn, with the last state. */
 static void steer(struct flow *flow, struct line *line, struct view *view, size_t full,
@@ -96,8 +72,23 @@ static void steer(struct flow *flow, struct line *line, struct view *view, size_
     for (unsigned ms = from; ms < to || line->count > 0 || sent < to; ms++) {
         const uint64_t now = ms * MS;
         const unsigned state = ms < to ? ms : to;
-        look(line, view, now);
-        hear(line, flow, now);
+        /* Frames that have been drawn, and then those that have been answered. */
+        for (unsigned i = 0; i < line->count; i++) {
+            const unsigned at = (line->first + i) % QUEUE;
+            if (line->frame[at].drawn_ns > now || line->frame[at].state <= view->state)
+                continue;
+            view->state = line->frame[at].state;
+            if (now - view->state * MS > view->oldest)
+                view->oldest = now - view->state * MS;
+        }
+        while (line->count > 0 && line->frame[line->first].answer_ns <= now) {
+            line->first = (line->first + 1) % QUEUE;
+            line->count--;
+            if (line->loses > 0)
+                line->loses--;
+            else
+                flow_answered(flow, now);
+        }
         if (sent == state || !flow_may_send(flow, now))
             continue;
         const unsigned divisor = divisor_of(flow, full);

@@ -15,14 +15,6 @@
 
 DRAW_FROM(7)
 
-static void make_maps(void)
-{
-    make_weights("weights.nii", 0);
-    make_weights("heavier.nii", 3);
-    make_regions("regions.nii", size[0], 0);
-    write_text("seeds.csv", "1,1,1,1\n10,9,8,2\n");
-}
-
 /* The render after two edits runs those that wait. */
 static const char deeds[] =
     "seed 1,1,1 1; seed 10,9,8 2 radius=1; run; seed 5,5,5 3; remove 5,5,5; remove 1,1,1; run; "
@@ -680,7 +672,10 @@ int main(void)
     if (!begin_folder())
         return 1;
     make_scene();
-    make_maps();
+    make_weights("weights.nii", 0);
+    make_weights("heavier.nii", 3);
+    make_regions("regions.nii", size[0], 0);
+    write_text("seeds.csv", "1,1,1,1\n10,9,8,2\n");
     int status = check_run();
     return status | end_folder();
 }

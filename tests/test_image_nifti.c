@@ -934,17 +934,6 @@ STORY(the_place_in_the_world_is_kept)
     }
 }
 
-/* 0.957031 is 0.9570312 again, whatever the fields hold. */
-/* Readers of others refuse a quaternion that is longer than 1. */
-static void shorten_quaternion(struct made *m)
-{
-    float q[3];
-    memcpy(q, m->bytes + QUATERN, sizeof q);
-    const double square = (double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2];
-    for (unsigned i = 0; i < 3 && isfinite(square) && square > 1 + 2e-7; i++)
-        put_float(m, QUATERN + 4 * i, (float)(q[i] / sqrt(square)));
-}
-
 STORY(a_quaternion_longer_than_1_is_normalised_on_saving)
 {
     static const uint32_t size[3] = {NX, NY, NZ};
@@ -995,7 +984,12 @@ STORY(what_a_file_says_of_its_place_is_written_bit_for_bit)
         OWNED(buf_release) struct buf file = {0};
         CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
         CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
-        shorten_quaternion(&m);
+        /* 0.957031 is 0.9570312 again, whatever the fields hold. Readers of others refuse a quaternion that is longer than 1. */
+        float q[3];
+        memcpy(q, m.bytes + QUATERN, sizeof q);
+        const double square = (double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2];
+        for (unsigned i = 0; i < 3 && isfinite(square) && square > 1 + 2e-7; i++)
+            put_float(&m, QUATERN + 4 * i, (float)(q[i] / sqrt(square)));
         CHECK(memcmp(file.data + PIXDIM, m.bytes + PIXDIM, 16) == 0);
         CHECK(file.data[UNITS] == (char)m.bytes[UNITS]);
         CHECK(memcmp(file.data + QFORM, m.bytes + QFORM, SROW + 48 - QFORM) == 0);

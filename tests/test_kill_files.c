@@ -270,12 +270,6 @@ static void continue_after(unsigned acknowledged, bool goes_on)
     }
 }
 
-static void empty_folder(void)
-{
-    remove_folder(HERE);
-    CHECK(mkdir(HERE, 0700) == 0);
-}
-
 STORY(a_kill_at_any_step_leaves_whole_files_and_a_journal_that_verifies)
 {
     unsigned acknowledged, points = 0, drafts = 0, leftovers = 0;
@@ -297,7 +291,8 @@ STORY(a_kill_at_any_step_leaves_whole_files_and_a_journal_that_verifies)
         }
         if (check_failures)
             printf("#   before step %u, %u acknowledged\n", step, acknowledged);
-        empty_folder();
+        remove_folder(HERE);
+        CHECK(mkdir(HERE, 0700) == 0);
         buf_clear(&told);
     }
     printf("# killed at %u steps; %u times with a draft left, %u with a golden image\n", points,

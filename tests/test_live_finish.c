@@ -115,13 +115,6 @@ static void draw_panel(struct interpreter *interp)
 
 enum { CELLS = 14 * 13 * 12 };
 
-static void copy_forest(uint8_t label[CELLS], const struct session *session)
-{
-    CHECK_INT(session->scene->grid.cells, CELLS);
-    for (uint32_t c = 0; c < CELLS; c++)
-        label[c] = session->scene->cell[c].label;
-}
-
 /* Rough labels: the forest's where those have changed, else as they were; or the forest's. */
 static bool are_rough(const struct session *session, const uint8_t forest[CELLS],
                       const uint8_t shown[CELLS])
@@ -241,7 +234,9 @@ static bool goes_on(struct interpreter *interp)
     char line[96];
     draw_panel(interp);
     memcpy(was, session_shown_voxels(session, &before), sizeof was);
-    copy_forest(forest, session);
+    CHECK_INT(session->scene->grid.cells, CELLS);
+    for (uint32_t c = 0; c < CELLS; c++)
+        forest[c] = session->scene->cell[c].label;
     memcpy(shown, session->pictures->live.label, CELLS);
     write_line(line);
     execute(interp, line); /* there may be nothing to undo, or to remove */

@@ -104,18 +104,6 @@ struct screen {
 static struct screen screen;
 static struct painter painter;
 
-static void screen_begin(uint32_t cell_width, uint32_t cell_height)
-{
-    kitty_release(&screen.kitty);
-    memset(&screen, 0, sizeof screen);
-    screen.cell_width = cell_width;
-    screen.cell_height = cell_height;
-    screen.side_most = 1000;
-    screen.ink = screen.paper = -1;
-    for (size_t i = 0; i < SIDE_MOST * SIDE_MOST; i++)
-        screen.pixel[i] = BLANK;
-}
-
 static void draw(uint32_t width, uint32_t height, const uint32_t *pixel)
 {
     const uint32_t left = screen.column * screen.cell_width, top = screen.row * screen.cell_height;
@@ -346,7 +334,14 @@ static void begin_at(const struct terminal_facts *facts, unsigned column, unsign
                      unsigned columns, unsigned rows)
 {
     painter_release(&painter);
-    screen_begin(facts->cell_width, facts->cell_height);
+    kitty_release(&screen.kitty);
+    memset(&screen, 0, sizeof screen);
+    screen.cell_width = facts->cell_width;
+    screen.cell_height = facts->cell_height;
+    screen.side_most = 1000;
+    screen.ink = screen.paper = -1;
+    for (size_t i = 0; i < SIDE_MOST * SIDE_MOST; i++)
+        screen.pixel[i] = BLANK;
     painter_place(&painter, facts, column, row, columns, rows);
 }
 
@@ -1059,15 +1054,6 @@ STORY(hundreds_of_hues_share_the_palette)
         CHECK(channel_distance(shades_shown(&s, many[i]), many[i]) <= 45);
 }
 
-/* A picture of many regions, each lit from dark to light, and then one of others. */
-static void fill_regions(const uint32_t *hue, unsigned first)
-{
-    for (size_t i = 0; i < 320 * 320; i++) {
-        const unsigned region = first + (unsigned)(i % 320 / 64) + 5 * (unsigned)(i / 320 / 64);
-        put(i, lit(hue[region], 80 + (uint32_t)(i % 64 + i / 320 % 64) * 175 / 126));
-    }
-}
-
 /* The mean of how far the worst channel is off, in tenths. */
 static uint32_t tenths_off(struct shades *s)
 {
@@ -1091,7 +1077,12 @@ STORY(shades_of_an_atlas_have_no_bands)
     view.hue = many;
     view.hues = 116;
     for (unsigned turn = 0; turn < 3; turn++) {
-        fill_regions(many, 30 * turn);
+        /* Many regions, each lit from dark to light, and then others. */
+        for (size_t i = 0; i < 320 * 320; i++) {
+            const unsigned region =
+                30 * turn + (unsigned)(i % 320 / 64) + 5 * (unsigned)(i / 320 / 64);
+            put(i, lit(many[region], 80 + (uint32_t)(i % 64 + i / 320 % 64) * 175 / 126));
+        }
         show(&view);
         CHECK(painter.has_palette && !painter.shades.is_exact &&
               shades_serve(&painter.shades, &view));

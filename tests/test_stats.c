@@ -69,15 +69,6 @@ static int by_value(const void *a, const void *b)
     return *(const uint16_t *)a - *(const uint16_t *)b;
 }
 
-static void recount_values(struct label_sums *sums, uint16_t *value)
-{
-    qsort(value, sums->voxels, sizeof *value, by_value);
-    sums->least = value[0];
-    sums->most = value[sums->voxels - 1];
-    sums->middle[0] = value[(sums->voxels - 1) / 2];
-    sums->middle[1] = value[sums->voxels / 2];
-}
-
 /* Count the pairs of a voxel with later voxels of the scene. */
 static void recount_pairs(struct label_stats *stats, const struct scene *scene, const uint32_t p[3],
                           const uint32_t step[3])
@@ -127,8 +118,13 @@ static struct label_stats recount(const struct scene *scene, uint8_t label)
                     sums->last[a] = p[a] > sums->last[a] ? p[a] : sums->last[a];
                 }
             }
-    if (sums->voxels)
-        recount_values(sums, value);
+    if (sums->voxels) {
+        qsort(value, sums->voxels, sizeof *value, by_value);
+        sums->least = value[0];
+        sums->most = value[sums->voxels - 1];
+        sums->middle[0] = value[(sums->voxels - 1) / 2];
+        sums->middle[1] = value[sums->voxels / 2];
+    }
     return stats;
 }
 

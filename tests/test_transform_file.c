@@ -138,17 +138,6 @@ STORY(damaged_files_of_matlab_are_refused)
 
 /* ---- FSL ---- */
 
-/* FSL's definition: a voxel of the moving scene, in its millimetres, maps to a voxel of the
- * reference; x from the other end if the axes are right-handed. */
-static void flirt_place(double out[3], const struct placed_grid *grid, const double voxel[3])
-{
-    const bool is_right = !geometry_is_mirrored(grid->geometry);
-    for (int a = 0; a < 3; a++)
-        out[a] = voxel[a] * geometry_step_mm(grid->geometry, a);
-    if (is_right)
-        out[0] = (grid->size[0] - 1 - voxel[0]) * geometry_step_mm(grid->geometry, 0);
-}
-
 static void world_place(double out[3], const struct placed_grid *grid, const double voxel[3])
 {
     for (int w = 0; w < 3; w++) {
@@ -178,7 +167,13 @@ STORY(a_matrix_of_flirt_maps_in_to_ref)
         for (int i = 0; i < 20; i++) {
             const double voxel[3] = {7 * i, 5 * i + 3, 100 - 4 * i};
             double mm[3], moved[3], from[3], world[3], back[3];
-            flirt_place(mm, in, voxel);
+            /* FSL's definition: a voxel of the moving scene, in its millimetres, maps to a voxel
+             * of the reference; x from the other end if the axes are right-handed. */
+            const bool is_right = !geometry_is_mirrored(in->geometry);
+            for (int a = 0; a < 3; a++)
+                mm[a] = voxel[a] * geometry_step_mm(in->geometry, a);
+            if (is_right)
+                mm[0] = (in->size[0] - 1 - voxel[0]) * geometry_step_mm(in->geometry, 0);
             affine_apply(&matrix, mm, moved);
             /* the voxel of ref, and its place */
             double there[3];

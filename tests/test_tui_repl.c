@@ -397,18 +397,13 @@ STORY(escape_alone_is_not_the_alt_key)
     quit();
 }
 
-static void give_news(void)
-{
-    CHECK(write(news_pipe[1], "n", 1) == 1);
-}
-
 STORY(news_stand_above_the_line_that_is_typed_however_long)
 {
     struct winsize size = {.ws_row = 24, .ws_col = 20};
     start_at_prompt(&xterm);
     ioctl(t.job.slave, TIOCSWINSZ, &size);
     SEE_AFTER("echo 012345678901234567890123456789012345678z", "8z"); /* rows 0 to 2 */
-    give_news();
+    CHECK(write(news_pipe[1], "n", 1) == 1);
     SEE("\033[2A\r\033[J[news]\r\n"); /* on its own: nothing was typed */
     SEE("ch2> ");
     SEE_AFTER("y\r", "8zy]");

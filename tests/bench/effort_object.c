@@ -224,15 +224,6 @@ static void reduce(struct matter *m)
     *m = half;
 }
 
-static void grow_bounds(uint32_t first[3], uint32_t last[3], const struct place *p, uint32_t length)
-{
-    const uint32_t low[3] = {p->x, p->y, p->z}, high[3] = {p->x + length - 1, p->y, p->z};
-    for (int a = 0; a < 3; a++) {
-        first[a] = low[a] < first[a] ? low[a] : first[a];
-        last[a] = high[a] > last[a] ? high[a] : last[a];
-    }
-}
-
 /* Keep the largest component of the truth, and find the box around it. */
 static void keep_largest(struct matter *m, uint32_t first[3], uint32_t last[3])
 {
@@ -259,7 +250,11 @@ static void keep_largest(struct matter *m, uint32_t first[3], uint32_t last[3])
         const struct place p = grid_place(&grid, pieces.run[r].first);
         const uint32_t length = pieces.run[r].end - pieces.run[r].first;
         memset(m->truth + grid_voxel(&grid, pieces.run[r].first), 1, length);
-        grow_bounds(first, last, &p, length);
+        const uint32_t low[3] = {p.x, p.y, p.z}, high[3] = {p.x + length - 1, p.y, p.z};
+        for (int a = 0; a < 3; a++) {
+            first[a] = low[a] < first[a] ? low[a] : first[a];
+            last[a] = high[a] > last[a] ? high[a] : last[a];
+        }
     }
 }
 

@@ -151,16 +151,6 @@ static enum err begin_correction(uint8_t *wrong, struct effort_robot *robot, str
     return err ? err : command(work, line, fault);
 }
 
-static void count_repaired(struct effort_run *run, const struct work *work, const uint8_t *wrong)
-{
-    const uint8_t *truth = work->object->truth, *label = work->label;
-    for (size_t i = 0; i < work->object->voxels; i++) {
-        run->wrong += wrong[i] != truth[i];
-        run->repaired += wrong[i] != truth[i] && label[i] == truth[i];
-        run->beyond += wrong[i] == truth[i] && label[i] != truth[i];
-    }
-}
-
 static enum err begin_segmentation(struct effort_robot *robot, struct work *work,
                                    struct fault *fault)
 {
@@ -199,8 +189,14 @@ static enum err segment(struct effort_run *run, struct effort_robot *robot, stru
         ms[times++] = work->ms;
     }
     run->ms = times_median(ms, times);
-    if (!err && method->corrects)
-        count_repaired(run, work, damaged);
+    if (!err && method->corrects) {
+        const uint8_t *truth = work->object->truth, *label = work->label;
+        for (size_t i = 0; i < work->object->voxels; i++) {
+            run->wrong += damaged[i] != truth[i];
+            run->repaired += damaged[i] != truth[i] && label[i] == truth[i];
+            run->beyond += damaged[i] == truth[i] && label[i] != truth[i];
+        }
+    }
     return err;
 }
 

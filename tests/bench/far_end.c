@@ -151,14 +151,6 @@ static bool shows(const struct far_end *e)
     return sequence[0] != '\\' || e->length > 1 || !e->is_ahead;
 }
 
-/* At the next escape. Further chunks of a picture do not say what it is for. */
-static void end_sequence(struct far_end *e)
-{
-    if (e->sequence[0] == '_' && strstr(e->sequence, "a="))
-        e->is_ahead = strstr(e->sequence, ",p=1000,w=1,h=1,") != NULL;
-    e->length = 0;
-}
-
 /* No text that is awaited begins again within itself. */
 static void match(struct far_end *e, char c, uint64_t now_ns)
 {
@@ -177,7 +169,10 @@ static void take(struct far_end *e, char c, uint64_t now_ns)
 {
     match(e, c, now_ns);
     if (c == '\033') {
-        end_sequence(e);
+        /* Further chunks of a picture do not say what it is for. */
+        if (e->sequence[0] == '_' && strstr(e->sequence, "a="))
+            e->is_ahead = strstr(e->sequence, ",p=1000,w=1,h=1,") != NULL;
+        e->length = 0;
     } else if (e->length + 1 < SEQUENCE) {
         e->sequence[e->length++] = c;
         e->sequence[e->length] = '\0';

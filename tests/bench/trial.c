@@ -88,15 +88,6 @@ static double segment(struct work *work, enum experiment e, const struct edit *e
     return times_since(begin);
 }
 
-static void keep_border(struct work *work, enum experiment e)
-{
-    const struct changes changes = forest_changes(work->session->forest);
-    if (keeps_border(e))
-        border_update(&work->session->border, &changes);
-    else if (e == DIFT_SCAN_BP)
-        border_recount(&work->sought);
-}
-
 /* Shading keeps the same data of the previous step for each experiment. */
 static void colour(struct work *work, struct rendition *rendition, bool of_kept)
 {
@@ -144,7 +135,11 @@ static void carry_out(struct work *work, enum experiment e, const struct edit *e
     copy_rendition(&work->made, &work->former);
     ms[SEGMENTATION] = segment(work, e, edit, count);
     const uint64_t begin = clock_ns();
-    keep_border(work, e);
+    const struct changes changes = forest_changes(work->session->forest);
+    if (keeps_border(e))
+        border_update(&work->session->border, &changes);
+    else if (e == DIFT_SCAN_BP)
+        border_recount(&work->sought);
     const uint64_t between = clock_ns();
     render(work, e);
     ms[BORDER] = e == IFT_SP || e == DIFT_SP ? 0 : times_between(begin, between);

@@ -22,17 +22,6 @@ static void check_words(enum err err, const struct fault *fault)
     HOLDS(!strpbrk(fault->text, "\n\r\033"));
 }
 
-/* Pictures that golden images are compared with: associated, with a world, and without. */
-static void draw(struct picture *like, bool is_associated)
-{
-    HOLDS(!picture_init(like, 5, 4, PICTURE_BUT_NORMAL, NULL));
-    like->is_associated = is_associated;
-    like->space.has_world = is_associated;
-    like->space.eye_mm = 9;
-    for (size_t i = 0; i < 4; i++)
-        like->space.to_camera[i][i] = like->space.to_ndc[i][i] = 1;
-}
-
 static void read_golden(const char *path, const struct picture *like)
 {
     OWNED(picture_release) struct picture golden = {0};
@@ -81,7 +70,13 @@ void fuzz_exr(const uint8_t *bytes, size_t length)
         picture_release(&picture);
     }
     for (int is_associated = 0; is_associated < 2; is_associated++) {
-        draw(&like, is_associated);
+        /* Pictures that golden images are compared with: associated, with a world, and without. */
+        HOLDS(!picture_init(&like, 5, 4, PICTURE_BUT_NORMAL, NULL));
+        like.is_associated = is_associated;
+        like.space.has_world = is_associated;
+        like.space.eye_mm = 9;
+        for (size_t i = 0; i < 4; i++)
+            like.space.to_camera[i][i] = like.space.to_ndc[i][i] = 1;
         read_golden(path, &like);
         picture_release(&like);
     }

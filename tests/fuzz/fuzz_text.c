@@ -223,15 +223,6 @@ void fuzz_request(const uint8_t *bytes, size_t length)
 /* Lists of seeds: what is read lies in the scene, each voxel once, with a label; the rest is
  * refused with the line that is wrong. */
 
-static void check_seeds(const struct seeds *seeds, const struct grid *grid, int label)
-{
-    for (size_t i = 0; i < seeds->count; i++) {
-        const struct edit *edit = &seeds->edit[i];
-        HOLDS(edit->cell < grid->cells && (i == 0 || edit->cell > edit[-1].cell));
-        HOLDS(label == LABEL_OWN ? edit->label >= 0 && edit->label <= 255 : edit->label == label);
-    }
-}
-
 void fuzz_seeds(const uint8_t *bytes, size_t length)
 {
     static const struct kept kept = {.label_name = {[2] = "brain", [9] = "left part"}};
@@ -245,7 +236,12 @@ void fuzz_seeds(const uint8_t *bytes, size_t length)
         const enum err err =
             seeds_from_list(&seeds, buf_text(&text), length, &grid, &kept, label, NULL, &fault);
         HOLDS(!err || (seeds.count == 0 && fault.text[0] && !strpbrk(fault.text, "\n\r\033")));
-        check_seeds(&seeds, &grid, label);
+        for (size_t i = 0; i < seeds.count; i++) {
+            const struct edit *edit = &seeds.edit[i];
+            HOLDS(edit->cell < grid.cells && (i == 0 || edit->cell > edit[-1].cell));
+            HOLDS(label == LABEL_OWN ? edit->label >= 0 && edit->label <= 255
+                                     : edit->label == label);
+        }
     }
 }
 

@@ -20,17 +20,6 @@ static void hand_over(const struct fuzz_target *target, const char *bytes, size_
     target->read(copy, length);
 }
 
-/* One to four bytes become others: any, or a limit of their width. */
-static void change(struct buf *bytes, uint64_t *random)
-{
-    static const char limit[] = {0, 1, 0x7F, (char)0x80, (char)0xFF, '\n', ' ', '='};
-    for (uint32_t n = 1 + check_below(random, 4); n; n--) {
-        const uint32_t at = check_below(random, (uint32_t)bytes->length);
-        const uint32_t any = check_below(random, 256), which = check_below(random, sizeof limit);
-        bytes->data[at] = check_below(random, 2) ? (char)any : limit[which];
-    }
-}
-
 static void replay(const struct fuzz_target *target, const char *path, uint64_t random,
                    unsigned changes)
 {
@@ -43,7 +32,14 @@ static void replay(const struct fuzz_target *target, const char *path, uint64_t 
     for (unsigned i = 0; bytes.length && i < changes; i++) {
         buf_clear(&copy);
         buf_add(&copy, bytes.data, bytes.length);
-        change(&copy, &random);
+        /* One to four bytes become others: any, or a limit of their width. */
+        static const char limit[] = {0, 1, 0x7F, (char)0x80, (char)0xFF, '\n', ' ', '='};
+        for (uint32_t n = 1 + check_below(&random, 4); n; n--) {
+            const uint32_t at = check_below(&random, (uint32_t)copy.length);
+            const uint32_t any = check_below(&random, 256),
+                           which = check_below(&random, sizeof limit);
+            copy.data[at] = check_below(&random, 2) ? (char)any : limit[which];
+        }
         hand_over(target, copy.data, copy.length);
     }
 }
