@@ -89,7 +89,7 @@ STORY(bands_of_any_height_are_the_whole_and_so_is_what_follows_edits)
         OWNED(stage_release) struct stage s;
         OWNED(rendition_release) struct rendition fine, out;
         stage_at_random(&s, &random);
-        /* `samples` samples a pixel, both ways; the camera and the view are those of the samples. */
+        /* `samples` samples a pixel, both ways; camera and view are those of the samples. */
         stage_look_at_random(&s, &random);
         s.view.width = s.look.samples * (1 + check_below(&random, 30));
         s.view.height = s.look.samples * (1 + check_below(&random, 90));

@@ -984,7 +984,8 @@ STORY(what_a_file_says_of_its_place_is_written_bit_for_bit)
         OWNED(buf_release) struct buf file = {0};
         CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
         CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
-        /* 0.957031 is 0.9570312 again, whatever the fields hold. Readers of others refuse a quaternion that is longer than 1. */
+        /* 0.957031 is 0.9570312 again, whatever the fields hold. Readers of others refuse a
+         * quaternion that is longer than 1. */
         float q[3];
         memcpy(q, m.bytes + QUATERN, sizeof q);
         const double square = (double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2];

@@ -156,19 +156,6 @@ static bool is_fit(const struct seen *seen)
     return fit && off_grey(0, seen) <= 2000 * 2000;
 }
 
-static void list_candidates(void)
-{
-    for (int i = 0; i < CANDIDATES; i++) {
-        struct candidate *c = &candidate[candidates];
-        const int level[3] = {i / 324, i / 18 % 18, i % 18};
-        for (int k = 0; k < 3; k++)
-            c->rgb[k] = (uint8_t)(LEVEL_STEP * level[k]);
-        c->seen = see(c->rgb);
-        c->apart = INT64_MAX / 16;
-        candidates += is_fit(&c->seen);
-    }
-}
-
 /* Return the squared distance to the nearest of the twelve labels before it, or, if that is less, a
  * multiple of that to the nearest of all: few labels are as far apart as possible, of many labels
  * those with near numbers. */
@@ -187,7 +174,15 @@ static int64_t score(const struct candidate *c, const struct seen *label, int nu
 static void follow_rule(struct palette *palette)
 {
     struct seen label[256];
-    list_candidates();
+    for (int i = 0; i < CANDIDATES; i++) {
+        struct candidate *c = &candidate[candidates];
+        const int level[3] = {i / 324, i / 18 % 18, i % 18};
+        for (int k = 0; k < 3; k++)
+            c->rgb[k] = (uint8_t)(LEVEL_STEP * level[k]);
+        c->seen = see(c->rgb);
+        c->apart = INT64_MAX / 16;
+        candidates += is_fit(&c->seen);
+    }
     for (int number = 1; number < 256; number++) {
         int64_t most = -1;
         const struct candidate *best = candidate;

@@ -147,21 +147,6 @@ static void time_edits(struct session *session, struct times *times)
     }
 }
 
-static void time_frames(struct session *session, struct times *times)
-{
-    struct view view = session->now.outlook.view;
-    for (int i = 0; i < FRAMES; i++) {
-        view.angle[0] = i * 15000;
-        view.angle[1] = i * 7000;
-        must(session_set_view(session, &view, &bench_fault));
-        uint64_t begin = clock_ns();
-        must(session_render(session, RENDER_BORDER, &bench_fault));
-        begin = times_add(&times[BORDER], begin);
-        must(session_render(session, RENDER_SCENE, &bench_fault));
-        times_add(&times[SCENE], begin);
-    }
-}
-
 static void time_session(struct interpreter *interp, struct bench_way *way)
 {
     struct session *session = interp->session;
@@ -179,7 +164,17 @@ static void time_session(struct interpreter *interp, struct bench_way *way)
         must(session_plant(session, &seed[i].cell, 1, seed[i].label, 0, &bench_fault));
     must(session_run(session, &bench_fault));
     time_edits(session, times);
-    time_frames(session, times);
+    struct view view = session->now.outlook.view;
+    for (int i = 0; i < FRAMES; i++) {
+        view.angle[0] = i * 15000;
+        view.angle[1] = i * 7000;
+        must(session_set_view(session, &view, &bench_fault));
+        uint64_t begin = clock_ns();
+        must(session_render(session, RENDER_BORDER, &bench_fault));
+        begin = times_add(&times[BORDER], begin);
+        must(session_render(session, RENDER_SCENE, &bench_fault));
+        times_add(&times[SCENE], begin);
+    }
     way->voxels = scene->grid.voxels;
     way->border_voxels = border_count(&session->border);
     way->bytes_per_voxel = (double)session_memory_parts(session).scene / (double)way->voxels;

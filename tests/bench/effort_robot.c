@@ -201,8 +201,11 @@ static int64_t smallest_ball(const struct effort_robot *robot, int64_t at[3])
     return least;
 }
 
-static void sphere(struct effort_robot *robot, struct effort_gesture *gesture)
+enum err effort_robot_background(struct effort_robot *robot, enum effort_shape shape,
+                                 struct effort_gesture *gesture, struct fault *fault)
 {
+    if (shape == SHAPE_BALL)
+        return outside_ball(robot, gesture, fault);
     uint32_t first[3], last[3];
     int64_t at[3];
     bounds(robot, first, last);
@@ -214,14 +217,6 @@ static void sphere(struct effort_robot *robot, struct effort_gesture *gesture)
     gesture->radius = root + ((uint64_t)root * root < squared) + 2 + below(robot, 4);
     for (int a = 0; a < 3; a++)
         gesture->at[a] = (uint32_t)at[a];
-}
-
-enum err effort_robot_background(struct effort_robot *robot, enum effort_shape shape,
-                                 struct effort_gesture *gesture, struct fault *fault)
-{
-    if (shape == SHAPE_BALL)
-        return outside_ball(robot, gesture, fault);
-    sphere(robot, gesture);
     return OK;
 }
 

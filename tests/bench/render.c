@@ -378,21 +378,6 @@ void bench_vtk(struct bench_vtk *out, const struct session *session)
         out->rows = 0;
 }
 
-static void time_vtk(const struct session *session, struct table *table)
-{
-    struct bench_vtk vtk;
-    char what[128] = "VTK is not here to compare with: it takes Debian's python3-vtk9 and xvfb";
-    bench_vtk(&vtk, session);
-    if (vtk.rows)
-        snprintf(what, sizeof what, "VTK %s in software, the same labels, one core", vtk.version);
-    add_row(table, what);
-    for (int i = 0; i < vtk.rows; i++) {
-        snprintf(what, sizeof what, "    %s", vtk.row[i].what);
-        add_row(table, what);
-        table->row[table->rows - 1].only_ms = vtk.row[i].ms;
-    }
-}
-
 /* ---- tables ---- */
 
 static double labels_changed(const struct table *t)
@@ -499,7 +484,17 @@ enum err run_render(const struct options *o, struct fault *fault)
     time_following(session, table);
     if (watch_poll(console_watch(), "VTK", 1, 2))
         must(fault_set(&bench_fault, ERR_CANCELLED, "cancelled"));
-    time_vtk(session, table);
+    struct bench_vtk vtk;
+    char what[128] = "VTK is not here to compare with: it takes Debian's python3-vtk9 and xvfb";
+    bench_vtk(&vtk, session);
+    if (vtk.rows)
+        snprintf(what, sizeof what, "VTK %s in software, the same labels, one core", vtk.version);
+    add_row(table, what);
+    for (int i = 0; i < vtk.rows; i++) {
+        snprintf(what, sizeof what, "    %s", vtk.row[i].what);
+        add_row(table, what);
+        table->row[table->rows - 1].only_ms = vtk.row[i].ms;
+    }
     if (o->json)
         write_table(bench_json(), table, session);
     else

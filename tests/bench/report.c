@@ -187,20 +187,6 @@ void report_summary(FILE *out, const struct trial *trial, size_t count)
 
 static const char *const phase_name[PHASES] = {"segmentation_ms", "border_ms", "rendition_ms"};
 
-static void add_experiment(struct json *json, const struct trial_step *step, enum experiment e)
-{
-    json_object(json, NULL);
-    json_count(json, "experiment", e + 1);
-    json_text(json, "method", experiment_name[e]);
-    for (enum phase p = 0; p < PHASES; p++)
-        json_fixed(json, phase_name[p], step->cost[e].ms[p], 4);
-    json_fixed(json, "total_ms", trial_total(step, e), 4);
-    json_count(json, "voxels", step->cost[e].served);
-    json_fixed(json, "ns_per_voxel", trial_ns_per_voxel(step, e), 2);
-    json_boolean(json, "whole", step->cost[e].is_whole);
-    json_end(json);
-}
-
 static void add_step(struct json *json, const struct trial *trial, unsigned s)
 {
     const struct trial_step *step = &trial->step[s];
@@ -212,8 +198,18 @@ static void add_step(struct json *json, const struct trial *trial, unsigned s)
     json_format(json, "labels", "%016llx", (unsigned long long)step->labels);
     json_format(json, "picture", "%016llx", (unsigned long long)step->picture);
     json_array(json, "experiments");
-    for (enum experiment e = 0; e < EXPERIMENTS; e++)
-        add_experiment(json, step, e);
+    for (enum experiment e = 0; e < EXPERIMENTS; e++) {
+        json_object(json, NULL);
+        json_count(json, "experiment", e + 1);
+        json_text(json, "method", experiment_name[e]);
+        for (enum phase p = 0; p < PHASES; p++)
+            json_fixed(json, phase_name[p], step->cost[e].ms[p], 4);
+        json_fixed(json, "total_ms", trial_total(step, e), 4);
+        json_count(json, "voxels", step->cost[e].served);
+        json_fixed(json, "ns_per_voxel", trial_ns_per_voxel(step, e), 2);
+        json_boolean(json, "whole", step->cost[e].is_whole);
+        json_end(json);
+    }
     json_end(json);
     json_end(json);
 }

@@ -134,25 +134,20 @@ static bool knows(void *context, const char *text)
 
 /* ---- the line ---- */
 
-static void search(struct line *l, const struct key_event *event)
-{
-    if (event->key == KEY_CHARACTER && event->modifiers == 0)
-        line_search_add(l, event->text, event->length);
-    else if (event->key == KEY_BACKSPACE)
-        line_search_erase(l);
-    else if (event->key == KEY_CHARACTER && event->point == 'r')
-        line_search_older(l);
-    else if (event->key == KEY_UP)
-        line_search_newer(l);
-    else
-        line_search_end(l, event->key != KEY_ESCAPE);
-}
-
 static void press(struct line *l, char before[LINE_KEYS_MOST], const struct key_event *event)
 {
     const bool held = event->modifiers & (KEY_CONTROL | KEY_ALT);
     if (l->searching) {
-        search(l, event);
+        if (event->key == KEY_CHARACTER && event->modifiers == 0)
+            line_search_add(l, event->text, event->length);
+        else if (event->key == KEY_BACKSPACE)
+            line_search_erase(l);
+        else if (event->key == KEY_CHARACTER && event->point == 'r')
+            line_search_older(l);
+        else if (event->key == KEY_UP)
+            line_search_newer(l);
+        else
+            line_search_end(l, event->key != KEY_ESCAPE);
         return;
     }
     if (event->key == KEY_CHARACTER && !held && !*before) {

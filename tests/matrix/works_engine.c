@@ -195,7 +195,7 @@ static void surfaces(struct team *team)
     }
 }
 
-static void scenes(void)
+void works_engine(struct team *team)
 {
     struct scene *scene = works_scene(), *doubled = NULL;
     struct fault fault;
@@ -206,11 +206,6 @@ static void scenes(void)
         scene_free(doubled);
     }
     scene_free(scene);
-}
-
-void works_engine(struct team *team)
-{
-    scenes();
     forests(team, 6);
     forests(team, 26);
     excludes(team);
