@@ -3,7 +3,6 @@
 #ifndef TESTS_JOURNALS_H
 #define TESTS_JOURNALS_H
 
-#include <string.h>
 #include <unistd.h>
 
 #include "base/buf.h"

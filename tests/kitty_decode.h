@@ -11,6 +11,7 @@
 
 #include <stdio.h>
 
+#include "base/mem.h"
 #include "tests/png_decode.h"
 
 enum { KITTY_PICTURES = 1024, KITTY_PLACEMENTS = 2048 };

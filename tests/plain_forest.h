@@ -5,8 +5,6 @@
 #ifndef TESTS_PLAIN_FOREST_H
 #define TESTS_PLAIN_FOREST_H
 
-#include <stdlib.h>
-
 #include "tests/border_check.h"
 #include "tests/stopping.h"
 #include "tests/world.h"

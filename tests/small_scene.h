@@ -5,10 +5,6 @@
 #ifndef TESTS_SMALL_SCENE_H
 #define TESTS_SMALL_SCENE_H
 
-#include <limits.h>
-#include <stdlib.h>
-#include <unistd.h>
-
 #include "journal/journal.h"
 #include "base/file.h"
 #include "base/safe.h"

@@ -6,10 +6,6 @@
 #ifndef TESTS_STAGE_H
 #define TESTS_STAGE_H
 
-#include <inttypes.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "render/border.h"
 #include "engine/forest.h"
 #include "render/incremental.h"

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Backgrounds: what is behind objects, wherever a rendition is shown or written. */
-#include <unistd.h>
 
 #include "image/exr.h"
-#include "image/image_helper.h"
 #include "render/mosaic.h"
 #include "show/decorating.h"
 #include "show/export_picture.h"

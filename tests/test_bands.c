@@ -6,8 +6,6 @@
 #include <unistd.h>
 
 #include "base/hash.h"
-#include "base/mem.h"
-#include "render/incremental.h"
 #include "render/bands.h"
 #include "show/pictures.h"
 #include "tests/check_main.h"

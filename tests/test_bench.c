@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Parts of the benchmarks: seeds of the procedure, the comparison of experiments, reports. No time
  * is checked. */
-#include <limits.h>
-#include <unistd.h>
 
 #include "show/pictures.h"
 #include "tests/bench/report.h"
 #include "tests/bench/times.h"
 #include "session/session.h"
-#include "session/session_inside.h"
 #include "show/draw.h"
-#include "tests/check.h"
 #include "tests/folder_main.h"
 
 /* ---- the procedure ---- */

@@ -3,15 +3,9 @@
  * lines; and interpreter_execute, which undoes a command that cannot be recorded. */
 #include <errno.h>
 #include <dirent.h>
-#include <limits.h>
-#include <unistd.h>
 
-#include "session/setting.h"
-#include "journal/journal.h"
 #include "command/command.h"
-#include "command/execute.h"
 #include "base/choice.h"
-#include "base/file.h"
 #include "tests/journals.h"
 #include "tests/random_commands.h"
 #include "tests/small_scene.h"

@@ -3,7 +3,6 @@
  * computation, which looks from each voxel at each other one. */
 #include <math.h>
 
-#include "base/mem.h"
 #include "engine/distance.h"
 #include "show/comparison.h"
 #include "tests/check_main.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The configuration: each kind of line, and messages about wrong lines. */
-#include <sys/stat.h>
 
 #include "base/file.h"
 #include "program/programs.h"

@@ -4,9 +4,7 @@
 #include "command/execute.h"
 #include "interpreting.h"
 
-#include <limits.h>
 #include <math.h>
-#include <unistd.h>
 
 #include "image/exr.h"
 #include "show/pictures.h"

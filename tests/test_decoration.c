@@ -2,7 +2,6 @@
 /* Decorations: letters are never wrong, the bar has the length it states, hidden seeds have no
  * marks, and only colours change, in every way of drawing. */
 #include "render/decoration.h"
-#include "render/projection.h"
 #include "show/decorating.h"
 #include "show/slicing.h"
 #include "tests/folder_main.h"

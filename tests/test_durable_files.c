@@ -10,8 +10,6 @@
 
 #include "base/file.h"
 #include "command/golden_files.h"
-#include "command/execute.h"
-#include "tests/check.h"
 #define RUN_IN_FOLDER
 #include "tests/folder_main.h"
 #include "tests/interpreting.h"

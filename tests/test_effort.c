@@ -3,7 +3,6 @@
  * Figures are not checked. */
 #include "engine/labels.h"
 #include "tests/bench/effort_run.h"
-#include "tests/check.h"
 #include "tests/folder_main.h"
 
 enum { WIDE = 40, HIGH = 30, DEEP = 28, VOXELS = WIDE * HIGH * DEEP };

@@ -2,8 +2,6 @@
 /* The finish: each step is compared with a plain model written from the description in
  * engine/finish.h. The model shares no code with the engine: it loops over all voxels, fills, and
  * tests every ball. */
-#include "base/mem.h"
-#include "engine/finish.h"
 #include "engine/labels.h"
 #include "tests/finish_fails.h"
 

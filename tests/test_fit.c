@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Fitting: the shown objects fill the picture, at the angles of one view or of a turntable. */
-#include <unistd.h>
 
 #include "image/exr.h"
 #include "render/fit.h"

@@ -3,13 +3,9 @@
  * tests/test_within.c has random edits with arcs of every kind and regions of interest. */
 #include "tests/check_main.h"
 
-#include "tests/border_check.h"
-#include "engine/roi.h"
-#include "engine/forest.h"
 #include "engine/weight.h"
 #include "tests/plain_forest.h"
 #include "tests/scarce_memory.h"
-#include "tests/stopping.h"
 
 /* Undoes the last successful edit by an edit of its own. */
 static enum err revert(struct forest *forest, struct fault *fault)

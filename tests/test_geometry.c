@@ -2,7 +2,6 @@
 /* The place of a scene by its file, for any sform, qform and pixdim, alone and together. */
 #include <math.h>
 
-#include "base/mem.h"
 #include "image/image_inside.h"
 #include "image/regrid.h"
 #include "tests/check_main.h"

@@ -23,11 +23,6 @@ static void begin(struct interpreter *interp, unsigned markers)
         plant_somewhere(interp);
 }
 
-static uint32_t random_cell(const struct session *session)
-{
-    return grid_cell(&session->scene->grid, below(size[0]), below(size[1]), below(size[2]));
-}
-
 /* ---- trees ---- */
 
 STORY(a_tree_has_the_voxels_that_name_its_root)
@@ -93,7 +88,9 @@ static void is_as_counted(const struct session *session, const struct held *held
 static void ask(struct interpreter *interp)
 {
     const struct session *session = interp->session;
-    const uint32_t cell = random_cell(session), marker = marker_of(session, cell);
+    const uint32_t cell =
+        grid_cell(&session->scene->grid, below(size[0]), below(size[1]), below(size[2]));
+    const uint32_t marker = marker_of(session, cell);
     const struct place p = grid_place(&session->scene->grid, cell);
     struct held held;
     char line[64], answer[64];

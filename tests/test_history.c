@@ -3,9 +3,6 @@
  * equals the one that was left, whether its commands are carried out or only skimmed. */
 #include <pthread.h>
 
-#include "command/execute.h"
-#include "base/file.h"
-#include "journal/journal.h"
 #include "journal/record.h"
 #include "session/state.h"
 #include "show/slicing.h"

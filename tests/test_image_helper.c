@@ -2,15 +2,12 @@
 /* The image helper: pictures through other formats, and a helper that misbehaves. */
 #include <errno.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include "base/buf.h"
 #include "base/clock.h"
 #include "base/file.h"
-#include "base/mem.h"
 #include "image/exr.h"
 #include "image/image_helper.h"
-#include "tests/folder.h"
 
 static struct image_helper *helper;
 #define BEFORE_STORIES                                                                             \

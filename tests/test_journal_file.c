@@ -4,7 +4,6 @@
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #define RUN_IN_FOLDER
 #include "tests/folder_main.h"
@@ -422,14 +421,6 @@ STORY(a_short_write_is_taken_back)
 
 /* ---- processes ---- */
 
-static int wait_for(pid_t child)
-{
-    int status = -1;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR)
-        ;
-    return status;
-}
-
 static int die_at_step(enum file_step step, const char *path)
 {
     (void)step;
@@ -466,7 +457,9 @@ STORY(a_process_that_dies_at_any_step_leaves_at_most_a_torn_record)
                     append(journal, n, NULL);
                 _exit(0);
             }
-            const int status = wait_for(child);
+            int status = -1;
+            while (waitpid(child, &status, 0) < 0 && errno == EINTR)
+                ;
             CHECK(WIFEXITED(status) && (WEXITSTATUS(status) == 7 || WEXITSTATUS(status) == 0));
             deaths += WIFEXITED(status) && WEXITSTATUS(status) == 7;
             enum walk_step over;

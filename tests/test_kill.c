@@ -7,12 +7,9 @@
  * random moment, compares what it said with what its journal holds, and goes on in the same
  * journal, now and then in a new one; the way of syncing changes from round to round.
  * IFTTY_TEST_SCALE=10 makes 500 rounds of 25. */
-#include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "base/buf.h"
 #include "base/clock.h"
@@ -139,11 +136,6 @@ static void work_until(struct victim *victims, const size_t *salt, uint64_t end_
     }
 }
 
-static bool is_recorded(const char *command)
-{
-    return strncmp(command, "sync", 4) != 0 && strcmp(command, "info") != 0;
-}
-
 /* Every command said to be done, in whole lines, is in the journal in that order, behind what was
  * there before; and at most one more is. Gives the number of records. */
 static size_t compare(const struct victim *v, size_t *acknowledged)
@@ -170,7 +162,7 @@ static size_t compare(const struct victim *v, size_t *acknowledged)
             continue; /* what it answers */
         snprintf(line, sizeof line, "%.*s", (int)(feed - at), at);
         command += 3 + strcspn(line + 3, " ") + 1;
-        if (!is_recorded(command))
+        if (!(strncmp(command, "sync", 4) != 0 && strcmp(command, "info") != 0))
             continue;
         ++*acknowledged;
         if (!CHECK(walk_next_sound(&walk, &record) == WALK_RECORD))
@@ -201,17 +193,12 @@ static void kill_and_compare(struct victim *v, size_t *acknowledged)
         v->before = 0;
 }
 
-static unsigned rounds_wanted(void)
-{
-    const unsigned scale = check_scaled(1);
-    return scale > 1 ? 50 * scale : 25;
-}
-
 STORY(kill_9_at_any_moment_takes_nothing_that_was_acknowledged)
 {
     struct victim victim[VICTIMS] = {0};
     size_t salt[VICTIMS], acknowledged = 0, next = 0;
-    const unsigned rounds = rounds_wanted();
+    const unsigned scale = check_scaled(1);
+    const unsigned rounds = scale > 1 ? 50 * scale : 25;
     for (unsigned i = 0; i < VICTIMS; i++)
         start(victim + i, salt[i] = next++);
     for (unsigned round = 0; round < rounds && check_failures == 0; round++) {

@@ -11,14 +11,10 @@
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "base/file.h"
 #include "command/golden_files.h"
-#include "command/execute.h"
 #include "image/exr.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 #include "tests/orphans.h"

@@ -2,8 +2,6 @@
 /* Markers made from a segmentation: components, their erosion and contours, compared with a plain
  * slow computation; what grows from them and how corrections change it; and objects that are given
  * by a range of intensities within a connected region. */
-#include "command/execute.h"
-#include "base/mem.h"
 #include "session/seed_file.h"
 #include "session/map.h"
 #include "tests/random_commands.h"

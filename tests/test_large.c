@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "base/mem.h"
 #include "base/watch.h"
 #include "tests/check_main.h"
 #include "engine/scene.h"

@@ -5,7 +5,6 @@
 
 #include <math.h>
 
-#include "base/mem.h"
 #include "tests/ray_search.h"
 #include "tests/stage.h"
 
@@ -183,11 +182,6 @@ static const uint8_t *see_plates(struct stage *s, int plates, const uint8_t *opa
     return s->rendition.rgba + 4 * (MIDDLE * SIDE + MIDDLE);
 }
 
-static uint8_t label_in_the_middle(const struct stage *s)
-{
-    return s->rendition.label[MIDDLE * SIDE + MIDDLE];
-}
-
 STORY(shares_of_squares_add_up_from_the_front)
 {
     OWNED(stage_release) struct stage s = {0};
@@ -231,7 +225,7 @@ STORY(what_has_the_largest_share_is_what_a_pixel_shows)
                 {{10, 10, 10}, 1},   {{20, 20, 60}, 3},   {{100, 1, 1}, 1}};
     for (size_t i = 0; i < sizeof seen / sizeof *seen; i++) {
         see_plates(&s, 3, seen[i].opacity);
-        CHECK_INT(label_in_the_middle(&s), seen[i].label);
+        CHECK_INT(s.rendition.label[MIDDLE * SIDE + MIDDLE], seen[i].label);
         const size_t pixel = MIDDLE * SIDE + MIDDLE;
         CHECK_INT(s.scene->cell[s.rendition.cell[pixel]].label, seen[i].label);
         const int16_t *n = s.rendition.normal + 4 * pixel; /* towards the viewer: +y */

@@ -2,27 +2,19 @@
 /* Finished labels while one works: pictures under `finished on`, rough labels right after an edit,
  * exact ones after it, with border and rendition that follow; compared with what is made from
  * nothing. */
-#include "base/mem.h"
-#include "show/draw.h"
-#include "show/pictures.h"
 #include "show/slicing.h"
 #include "tests/scarce_memory.h"
 #include "tests/scene_main.h"
 
 DRAW_FROM(0)
 
-/* The picture's digest among the words of the last line's record. */
-static uint64_t pictured(void)
-{
-    const char *word = strstr(buf_text(&reply.words), "picture=");
-    CHECK(word != NULL);
-    return word ? strtoull(word + 8, NULL, 16) : 0;
-}
-
 static uint64_t picture_of(struct interpreter *interp, const char *line)
 {
     must(interp, line);
-    return pictured();
+    /* The picture's digest among the words of the last line's record. */
+    const char *word = strstr(buf_text(&reply.words), "picture=");
+    CHECK(word != NULL);
+    return word ? strtoull(word + 8, NULL, 16) : 0;
 }
 
 static void begin_with_objects(struct interpreter *interp)

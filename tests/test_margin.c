@@ -81,11 +81,6 @@ STORY(memory_that_runs_out_is_an_error)
 
 /* ---- the oracle ---- */
 
-static bool is_inside(size_t cell)
-{
-    return !(w.scene->cell[cell].flags & (CELL_RIM | CELL_OUTSIDE));
-}
-
 /* Costs of the best paths from the seeds of one label, by rounds over all voxels until nothing
  * changes. */
 static void search(uint32_t *cost, uint8_t label)
@@ -99,7 +94,9 @@ static void search(uint32_t *cost, uint8_t label)
     for (bool changed = true; changed;) {
         changed = false;
         for (size_t c = 0; c < cells; c++)
-            for (unsigned i = 0; i < adjacency->count && is_inside(c); i++) {
+            for (unsigned i = 0;
+                 i < adjacency->count && (!(w.scene->cell[c].flags & (CELL_RIM | CELL_OUTSIDE)));
+                 i++) {
                 const size_t from = c + (size_t)adjacency->offset[i];
                 const uint32_t step =
                     arc_weight_now(forest_arcs(w.forest), w.scene->cell + from, w.scene->cell + c);

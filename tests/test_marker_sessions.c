@@ -6,7 +6,6 @@
  * its voxels and label; a state is the list of the active ones, one for each record. The seeds of
  * a state are the result of carrying those out in order. From the program the model takes the
  * record that it went to (at=), and the seed whose tree holds a voxel. */
-#include "command/execute.h"
 #include "tests/paint_model.h"
 #include "tests/random_commands.h"
 #include "tests/scene_main.h"
@@ -57,11 +56,6 @@ static void planted_as(const struct standing *state, const char *when)
     }
     if (!CHECK(same))
         printf("#   after %s\n", when);
-}
-
-static uint32_t cell_at(uint32_t x, uint32_t y, uint32_t z)
-{
-    return grid_cell(&interp.session->scene->grid, x, y, z);
 }
 
 static void put_up(int16_t label, struct standing *state)
@@ -204,12 +198,6 @@ static bool plant(char line[LINE], struct standing *state)
     return any;
 }
 
-/* Corners that go nowhere but ahead are no polygon. */
-static bool is_no_polygon(const char *line)
-{
-    return (*line == 'f' || *line == 'o') && strstr(fault.text, "three corners or more");
-}
-
 /* What a pen may draw and the next command cannot find. */
 static void sketch(void)
 {
@@ -224,7 +212,7 @@ static void sketch(void)
 static void do_one(char line[LINE])
 {
     const uint32_t at[3] = {below(size[0]), below(size[1]), below(size[2])};
-    const uint32_t cell = cell_at(at[0], at[1], at[2]);
+    const uint32_t cell = grid_cell(&interp.session->scene->grid, at[0], at[1], at[2]);
     struct record_word word;
     const unsigned what = below(10);
     const size_t before = put_count;
@@ -250,7 +238,9 @@ static void do_one(char line[LINE])
             snprintf(line, LINE, "goto %u", 5 + below((uint32_t)interp.history.records - 4));
     }
     const enum err err = execute(&interp, line);
-    if (err && (what >= 8 || is_no_polygon(line))) {
+    /* Corners that go nowhere but ahead are no polygon. */
+    if (err && (what >= 8 ||
+                ((*line == 'f' || *line == 'o') && strstr(fault.text, "three corners or more")))) {
         put_count = before;
         return; /* nothing to undo or to do again */
     }

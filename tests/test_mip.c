@@ -4,7 +4,6 @@
 
 #include <math.h>
 
-#include "base/mem.h"
 #include "render/mip.h"
 #include "tests/ray_search.h"
 #include "tests/stage.h"

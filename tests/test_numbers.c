@@ -3,7 +3,6 @@
  * Numbers of labels (session/map.h): a session whose labels have large numbers in random order does
  * the same as one with small numbers, in every other respect.
  */
-#include <string.h>
 
 #include "engine/forest.h"
 #include "image/exr.h"

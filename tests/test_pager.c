@@ -2,7 +2,6 @@
 /* Pages of a text: where they end, and which keys leave. The terminal is in test_prompt_pty. */
 #include "tests/check_main.h"
 #include "tests/screen.h"
-#include "tui/cells.h"
 #include "tui/prompt/pager.h"
 
 static struct buf wrapped;

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures of commands: their content, and how they are written to the disk. */
 #include <dirent.h>
-#include <limits.h>
 #include <math.h>
-#include <unistd.h>
 
 #include "journal/journal.h"
-#include "command/execute.h"
 #include "base/file.h"
 #include "base/version.h"
 #include "image/exr.h"

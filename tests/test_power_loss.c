@@ -14,13 +14,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <pthread.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include "base/buf.h"
-#include "base/file.h"
-#include "journal/journal.h"
-#include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/interpreting.h"
 #include "tests/journals.h"

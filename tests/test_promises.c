@@ -6,7 +6,6 @@
 #include "base/file.h"
 #include "command/command.h"
 #include "program/program.h"
-#include "session/setting.h"
 #include "tests/interpreting.h"
 
 static struct buf frozen; /* tests/promises.txt */

@@ -3,14 +3,11 @@
  * sends keys and compares cells. The terminal answers late, in pieces, or with nonsense. */
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/ioctl.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <termios.h>
-#include <unistd.h>
 
 #include "base/buf.h"
 #include "base/clock.h"

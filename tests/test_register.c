@@ -4,12 +4,10 @@
 #include "tests/check.h"
 
 #include <signal.h>
-#include <unistd.h>
 
 #include "base/clock.h"
 #include "command/interpreter.h"
 #include "image/volume.h"
-#include "apply/registration.h"
 #include "tests/deformed.h"
 #include "tests/folder.h"
 #include "tests/orphans.h"

@@ -2,7 +2,6 @@
 /* Relaxation against a plain model, which is written from the words of engine/relax.h and
  * shares nothing with it: fields of 64 bits, one array each, all distances by flooding, one voxel
  * after another. */
-#include "base/mem.h"
 #include "engine/doubt.h"
 #include "engine/relax.h"
 #include "tests/finish_fails.h"
@@ -36,11 +35,6 @@ static int beside(const struct volume *v, int at, int way)
     return x < 0 || y < 0 || z < 0 || x >= v->size[0] || y >= v->size[1] || z >= v->size[2]
                ? -1
                : (z * v->size[1] + y) * v->size[0] + x;
-}
-
-static bool is_even(const struct volume *v, int at)
-{
-    return (at % v->size[0] + at / v->size[0] % v->size[1] + at / v->size[0] / v->size[1]) % 2 == 0;
 }
 
 /* Steps to a voxel on the other side of the label's border; above 1000 for none. */
@@ -125,8 +119,9 @@ static void model_field(const struct volume *v, int label, int sweeps, int reach
     const int64_t scale = model_scale(v, far, reach);
     for (int half = 0; half < 2 * sweeps; half++)
         for (int i = 0; i < v->count; i++)
-            if (is_even(v, i) == (half % 2 == 0) && far[i] <= reach && !v->stays[i] &&
-                !v->is_outside[i])
+            if (((i % v->size[0] + i / v->size[0] % v->size[1] + i / v->size[0] / v->size[1]) % 2 ==
+                 0) == (half % 2 == 0) &&
+                far[i] <= reach && !v->stays[i] && !v->is_outside[i])
                 model_move(v, scale, u, i);
 }
 

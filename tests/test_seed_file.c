@@ -5,7 +5,6 @@
 #include <sys/resource.h>
 
 #include "base/buf.h"
-#include "base/mem.h"
 #include "tests/check_main.h"
 #include "tests/scarce_memory.h"
 #include "tests/stopping.h"

@@ -2,7 +2,6 @@
 /* Settings: commands that only set something. */
 #include "base/choice.h"
 #include "render/decoration.h"
-#include "session/setting.h"
 #include "tests/folder_main.h"
 #include "tests/interpreting.h"
 

@@ -2,7 +2,6 @@
 /* Shells, as commands: an object does not leave one, other objects are not cut by it, it is one
  * marker and one undo, and what makes no sense is refused. Which voxels they are, test_paint
  * proves. */
-#include "command/execute.h"
 #include "tests/scene_main.h"
 
 static struct interpreter interp;

@@ -11,15 +11,6 @@
 static const uint32_t body_size[3] = {4, 3, 2};
 static const uint32_t body_spacing[3] = {1000000, 1500000, 3000000};
 
-static uint16_t body_intensity(const uint32_t at[3])
-{
-    return (uint16_t)(10 * (at[0] + 4 * (at[1] + 3 * at[2])));
-}
-static uint8_t body_label(const uint32_t at[3])
-{
-    return at[0] >= 2 ? (uint8_t)(1 + (at[1] == 2)) : 0;
-}
-
 static const int8_t orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                     {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
@@ -44,8 +35,8 @@ static struct scene *body_scene(unsigned orientation)
                 uint32_t at[3], c = grid_cell(&scene->grid, v[0], v[1], v[2]);
                 for (int a = 0; a < 3; a++)
                     at[order[a]] = orientation >> a & 1 ? size[a] - 1 - v[a] : v[a];
-                scene->cell[c].intensity = body_intensity(at);
-                scene->cell[c].label = body_label(at);
+                scene->cell[c].intensity = (uint16_t)(10 * (at[0] + 4 * (at[1] + 3 * at[2])));
+                scene->cell[c].label = at[0] >= 2 ? (uint8_t)(1 + (at[1] == 2)) : 0;
             }
     return scene;
 }

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Slices and mosaics by command: real files in every orientation, real values, pending edits, and
  * journals that show the same again. */
-#include <limits.h>
 #include <math.h>
-#include <unistd.h>
 
 #include "command/golden_files.h"
 #include "base/file.h"

@@ -3,7 +3,6 @@
  * say, what they refuse, and what a journal has of them. Which voxels they are, test_paint proves.
  */
 #include "command/command.h"
-#include "command/execute.h"
 #include "session/session.h"
 #include "tests/scarce_memory.h"
 #include "tests/scene_main.h"

@@ -5,7 +5,6 @@
 #include <math.h>
 
 #include "image/surface_file.h"
-#include "tests/check.h"
 #include "tests/folder_main.h"
 #include "tests/interpreting.h"
 #include "tests/scarce_memory.h"

@@ -2,7 +2,6 @@
 /* The number of voxels of each label: kept up to date through small and large edits that are
  * undone, and printed in a line after each edit. tests/test_history.c counts them after commands
  * that were stopped. */
-#include "command/execute.h"
 #include "tests/random_commands.h"
 #include "tests/scene_main.h"
 

@@ -5,7 +5,6 @@
 
 #include "base/file.h"
 #include "apply/registration.h"
-#include "tests/folder.h"
 
 static void make_scenes(void);
 #define BEFORE_STORIES make_scenes()

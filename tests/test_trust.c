@@ -6,9 +6,7 @@
 #include <fcntl.h>
 #include <nettle/sha2.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include "base/confine.h"
 #include "base/file.h"

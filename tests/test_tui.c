@@ -3,14 +3,12 @@
  * drawing against a small model of a screen. */
 #include <time.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include "base/file.h"
 #include "tests/check_main.h"
 #include "tests/kitty_decode.h"
 #include "tests/screen.h"
 #include "tests/sixel_decode.h"
-#include "tui/cells.h"
 #include "tui/keys.h"
 #include "tui/prompt/line.h"
 #include "tui/prompt/line_edit.h"

@@ -6,7 +6,6 @@
 #include "base/file.h"
 #include "image/volume.h"
 #include "image/volume_helper.h"
-#include "tests/folder.h"
 #include "tests/interpreting.h"
 #define BEFORE_STORIES volume_helper_program = built_program("iftty-volume")
 #include "tests/folder_main.h"

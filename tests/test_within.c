@@ -5,11 +5,8 @@
 #include "tests/check_main.h"
 
 #include "base/team.h"
-#include "engine/forest.h"
-#include "engine/roi.h"
 #include "tests/plain_forest.h"
 #include "tests/scarce_memory.h"
-#include "tests/stopping.h"
 
 static uint16_t add_reach(struct world *w, uint32_t x, uint32_t y, uint32_t z, int64_t radius)
 {

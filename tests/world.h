@@ -4,7 +4,6 @@
 #define TESTS_WORLD_H
 
 #include "engine/forest.h"
-#include "tests/check.h"
 #include "tests/random.h"
 
 struct world {

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "command/interpreter.h"
 #include "tests/bench/effort_object.h"
 
 #include <stdlib.h>

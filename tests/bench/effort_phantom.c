@@ -66,13 +66,6 @@ static int square(int x)
     return x * x;
 }
 
-/* A body with a dent: one ball without another. */
-static bool is_in_body(const int p[3])
-{
-    return square(p[0] - MIDDLE) + square(p[1] - MIDDLE) + square(p[2] - MIDDLE) <= square(20) &&
-           square(p[0] - 52) + square(p[1] - 46) + square(p[2] - 40) > square(12);
-}
-
 static int value_of(enum phantom phantom, const int p[3], bool *is_object)
 {
     const uint64_t place = (uint64_t)((p[2] * SIDE + p[1]) * SIDE + p[0]);
@@ -81,7 +74,10 @@ static int value_of(enum phantom phantom, const int p[3], bool *is_object)
         return (*is_object ? 120 : 100) + noise(place, 10);
     }
     if (phantom == PHANTOM_TEXTURES) {
-        *is_object = is_in_body(p);
+        /* A body with a dent: one ball without another. */
+        *is_object =
+            square(p[0] - MIDDLE) + square(p[1] - MIDDLE) + square(p[2] - MIDDLE) <= square(20) &&
+            square(p[0] - 52) + square(p[1] - 46) + square(p[2] - 40) > square(12);
         const uint64_t grain =
             *is_object ? (uint64_t)((p[2] / 3 * SIDE + p[1] / 3) * SIDE + p[0] / 3) : place;
         return (*is_object ? 126 : 122) + noise(grain, 20) / (*is_object ? 1 : 2) +

@@ -6,10 +6,8 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
-#include "base/mem.h"
 #include "tests/bench/times.h"
 #include "render/border.h"
-#include "engine/forest.h"
 #include "engine/weight.h"
 #include "session/session_inside.h"
 

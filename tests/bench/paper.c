@@ -2,11 +2,9 @@
 /* The paper's scenes, one after the other, and what is printed of them. */
 #include "tests/bench/bench.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "session/session_inside.h"
 #include "tests/bench/report.h"
 #include "tests/bench/times.h"
 
@@ -56,12 +54,6 @@ static bool scan_scene(struct scene_choice *choice, const char *name)
     return false;
 }
 
-/* The paper has every interpolation of geom, and of brain along one axis or two. */
-static bool is_in_paper(const struct scene_choice *choice)
-{
-    return choice->from->interpolated && (choice->from->atlas == NULL || choice->doubled != 7);
-}
-
 static uint64_t megavoxels(const struct scene_choice *choice)
 {
     uint64_t count = choice->from->megavoxels;
@@ -96,7 +88,9 @@ static void choose_scenes(struct run *run)
                            "ch2better, or all; not %s",
                            name[i]));
         snprintf(trial->name, sizeof trial->name, "%s", name[i]);
-        trial->in_paper = is_in_paper(&run->choice[i]);
+        /* The paper has every interpolation of geom, and of brain along one axis or two. */
+        trial->in_paper = run->choice[i].from->interpolated &&
+                          (run->choice[i].from->atlas == NULL || run->choice[i].doubled != 7);
         run->total += megavoxels(&run->choice[i]) * run->steps * run->options->rounds;
     }
 }

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "command/interpreter.h"
 #include "tests/bench/procedure.h"
 
 #include <stdlib.h>
@@ -7,7 +6,6 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
-#include "session/session_inside.h"
 #include "tests/bench/times.h"
 
 const unsigned procedure_count[PROCEDURE_STEPS] = {660,  730,  1030, 1230,

@@ -4,15 +4,12 @@
 #include "tests/bench/bench.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "base/mem.h"
 #include "image/volume.h"
-#include "apply/registration.h"
 #include "tests/bench/times.h"
 #include "tests/deformed.h"
 

@@ -11,7 +11,6 @@
 #include "render/shade.h"
 #include "render/projection.h"
 #include "tests/border_check.h"
-#include "session/session_inside.h"
 #include "show/draw.h"
 #include "show/pictures.h"
 

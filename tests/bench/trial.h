@@ -24,7 +24,6 @@
 
 #include "tests/bench/procedure.h"
 #include "render/rendition.h"
-#include "session/session_inside.h"
 
 enum experiment { IFT_SP, DIFT_SP, BDIFT_BP, DIFT_II, DIFT_SCAN_BP, EXPERIMENTS };
 extern const char *const experiment_name[EXPERIMENTS];

@@ -4,7 +4,6 @@
 
 #include <fcntl.h>
 #include <libdeflate.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

@@ -4,9 +4,6 @@
  * that may be left, and how many labels there are. */
 #include "tests/fuzz/fuzz.h"
 
-#include <string.h>
-
-#include "engine/surface.h"
 #include "tests/surface_check.h"
 
 enum { OPTIONS = 6 };

@@ -2,10 +2,7 @@
 /* Input from a terminal: keys, answers, and a line at the prompt. */
 #include "tests/fuzz/fuzz.h"
 
-#include <string.h>
-
 #include "tests/screen.h"
-#include "tui/cells.h"
 #include "tui/picture/graphics.h"
 #include "tui/prompt/line_edit.h"
 

@@ -2,7 +2,6 @@
 /* Readers of texts: a setup, tables of labels, procedures, requests, lists of seeds, transforms. */
 #include "tests/fuzz/fuzz.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "apply/procedure.h"

@@ -2,11 +2,7 @@
 /* Scenes, weights, forests and regions of interest. */
 #include "tests/matrix/works.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/hash.h"
-#include "base/mem.h"
 #include "engine/labels.h"
 #include "engine/roi.h"
 #include "tests/surface_check.h"

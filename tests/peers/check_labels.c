@@ -80,11 +80,6 @@ static bool holds(const struct pool *pool, uint8_t label)
     return pool->label[label >> 6] >> (label & 63) & 1;
 }
 
-static bool holds_any(const struct pool *pool)
-{
-    return pool->label[0] | pool->label[1] | pool->label[2] | pool->label[3];
-}
-
 /* List the face neighbours of a voxel, and return their number. */
 static int neighbours(const struct worker *scene, uint32_t at, uint32_t beside[6])
 {
@@ -149,7 +144,7 @@ static void judge(struct flood *flood, uint32_t at, const struct pool *pool)
 static void settle(struct flood *flood, uint32_t at, uint8_t level)
 {
     struct pool *pool = &flood->pool[find(flood, at)];
-    if (!holds_any(pool))
+    if (!(pool->label[0] | pool->label[1] | pool->label[2] | pool->label[3]))
         return;
     for (uint32_t v = pool->first; v != NO_VOXEL; v = flood->next[v]) {
         flood->cost[v] = level;

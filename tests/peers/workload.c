@@ -49,21 +49,6 @@ static enum err save(const struct workload *work, const char *name, const void *
                        : file_write(buf_text(&path), bytes, length, FILE_REPLACE, fault);
 }
 
-static enum err save_markers(const struct workload *work, int edits, struct fault *fault)
-{
-    char name[32];
-    snprintf(name, sizeof name, "markers-%d.u8", edits);
-    return save(work, name, work->marker, work->scene->grid.voxels, fault);
-}
-
-static enum err save_size(const struct workload *work, struct fault *fault)
-{
-    char text[64];
-    const uint32_t *size = work->scene->grid.size;
-    const int length = snprintf(text, sizeof text, "%u %u %u\n", size[0], size[1], size[2]);
-    return save(work, "size", text, (size_t)length, fault);
-}
-
 static enum err save_gradient(const struct workload *work, struct fault *fault)
 {
     const struct grid *grid = &work->scene->grid;
@@ -197,7 +182,10 @@ static enum err make_scene(struct workload *work, const char *image, const char 
 static enum err make_workload(struct workload *work, struct fault *fault)
 {
     printf("voxels=%zu ", work->scene->grid.voxels);
-    enum err err = save_size(work, fault);
+    char text[64];
+    const uint32_t *size = work->scene->grid.size;
+    const int length = snprintf(text, sizeof text, "%u %u %u\n", size[0], size[1], size[2]);
+    enum err err = save(work, "size", text, (size_t)length, fault);
     if (!err)
         err = save_gradient(work, fault);
     if (!err)
@@ -207,7 +195,9 @@ static enum err make_workload(struct workload *work, struct fault *fault)
     for (int edit = 0; !err && edit <= EDITS; edit++) {
         if (edit > 0)
             mark_correction(work, edit);
-        err = save_markers(work, edit, fault);
+        char name[32];
+        snprintf(name, sizeof name, "markers-%d.u8", edit);
+        err = save(work, name, work->marker, work->scene->grid.voxels, fault);
     }
     printf("edits=%d\n", EDITS);
     return err;
