@@ -82,6 +82,15 @@ static inline void check_register(struct story *story)
     }                                                                                              \
     static void story_##told(void)
 
+/* Functions that are called before and after each story, or NULL. */
+static void (*check_begin)(void), (*check_end)(void);
+#define EACH_STORY(begin, end)                                                                     \
+    __attribute__((constructor)) static void check_each(void)                                      \
+    {                                                                                              \
+        check_begin = begin;                                                                       \
+        check_end = end;                                                                           \
+    }
+
 /* Run all stories in the order of the file; return the status of the program. */
 static inline int check_run(void)
 {
@@ -89,7 +98,11 @@ static inline int check_run(void)
     for (const struct story *story = check_stories; story; story = story->next) {
         check_failures = 0;
         check_missing = NULL;
+        if (check_begin)
+            check_begin();
         story->run();
+        if (check_end)
+            check_end();
         failed += check_failures > 0;
         printf("%s %u - %s", check_failures ? "not ok" : "ok", ++count, story->name);
         if (check_missing && !check_failures)

@@ -21,6 +21,7 @@ static void begin(void)
                                    .dim = {3, 24, 20, 16},
                                    .fields = {.pixdim = {1, 1, 1.5, 2}, .xyzt_units = 2}};
 }
+EACH_STORY(begin, NULL)
 
 /* An sform whose axes run towards these letters, moved by so much. */
 static void put_sform(const char *letters, double moved_mm)
@@ -79,7 +80,6 @@ static const char *towards(unsigned number)
 
 STORY(nothing_is_known_without_codes)
 {
-    begin();
     put_sform("LPS", 0); /* without a code */
     put_qform("LPS", 0);
     header.fields.sform_code = header.fields.qform_code = 0;
@@ -128,7 +128,6 @@ STORY(both_agree_or_contradict_each_other_in_all_48_by_48_ways)
 
 STORY(the_sform_holds_where_the_qform_lies_elsewhere)
 {
-    begin();
     put_sform("LAS", 3);
     put_qform("LAS", 3.25); /* 0.43 mm: less than half a voxel */
     read_it();
@@ -213,7 +212,6 @@ STORY(a_distance_that_is_none_is_unknown_or_the_sforms)
 
 STORY(lengths_are_by_pixdim_where_the_sform_is_a_templates)
 {
-    begin();
     put_sform("RAS", 0);
     header.fields.pixdim[3] = 1.9;
     read_it();
@@ -223,7 +221,6 @@ STORY(lengths_are_by_pixdim_where_the_sform_is_a_templates)
 
 STORY(shear_is_measured)
 {
-    begin();
     put_sform("RAS", 0);
     read_it();
     CHECK(geometry_shear(&geometry) < 1e-6);
@@ -302,7 +299,6 @@ STORY(a_derived_grid_lies_where_its_voxels_did)
 STORY(a_derived_grid_has_spacing_that_can_be_told)
 {
     static const double first[3] = {0, 0, 0}, one[3] = {1, 1, 1}, two[3] = {1, 1, 2};
-    begin();
     put_sform(towards(0), 7);
     read_it();
     geometry.spacing_nm[0] = 1;

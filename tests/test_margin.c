@@ -93,10 +93,9 @@ static void search(uint32_t *cost, uint8_t label)
     }
     for (bool changed = true; changed;) {
         changed = false;
-        for (size_t c = 0; c < cells; c++)
-            for (unsigned i = 0;
-                 i < adjacency->count && (!(w.scene->cell[c].flags & (CELL_RIM | CELL_OUTSIDE)));
-                 i++) {
+        for (size_t c = 0; c < cells; c++) {
+            const bool is_inside = !(w.scene->cell[c].flags & (CELL_RIM | CELL_OUTSIDE));
+            for (unsigned i = 0; is_inside && i < adjacency->count; i++) {
                 const size_t from = c + (size_t)adjacency->offset[i];
                 const uint32_t step =
                     arc_weight_now(forest_arcs(w.forest), w.scene->cell + from, w.scene->cell + c);
@@ -104,6 +103,7 @@ static void search(uint32_t *cost, uint8_t label)
                 changed |= offered < cost[c];
                 cost[c] = offered < cost[c] ? offered : cost[c];
             }
+        }
     }
 }
 

@@ -215,6 +215,7 @@ static void begin(void)
     pilot_state_init(&state, &pilot_setup_default);
     state.brush.radius = 0;
 }
+EACH_STORY(begin, NULL)
 
 static void press(enum key key, unsigned modifiers, char c)
 {
@@ -365,7 +366,6 @@ static void check_pressed(const char *const *row, bool walks, int at)
 
 STORY(arrows_and_letters_move_in_the_plane_that_is_marked)
 {
-    begin();
     KEYS("<Right>|cross 19,25,30", /* towards the patient's left */
          "l|cross 19,25,30", "h|cross 21,25,30", "k|cross 20,26,30", "<Down>|cross 20,24,30",
          "J|cross 20,25,29", "<Page-up>|cross 20,25,31", "<Tab>", /* coronal */
@@ -375,7 +375,6 @@ STORY(arrows_and_letters_move_in_the_plane_that_is_marked)
 
 STORY(counts_are_those_of_vim)
 {
-    begin();
     KEYS("H|cross 30,25,30", "<Ctrl-Up>|cross 20,35,30", "1|*|1",
          "0||10", /* a digit alone plants nothing */
          "l|cross 10,25,30", "7h|cross 27,25,30", "h|cross 21,25,30", /* a count holds once */
@@ -394,7 +393,6 @@ STORY(counts_are_those_of_vim)
 
 STORY(a_key_that_takes_no_count_does_nothing_with_one)
 {
-    begin();
     KEYS("3i||*i accepts no count; nothing was done", "2s1||*accepts no count",
          "i|seed 20,25,30 1", /* and it is forgotten */
          "4q|");
@@ -403,7 +401,6 @@ STORY(a_key_that_takes_no_count_does_nothing_with_one)
 
 STORY(some_keys_wait_for_a_second)
 {
-    begin();
     KEYS("s|*|s0-9 plant-label  Escape leaves", "<Escape>");
     for (const char *led = "gVm'D"; *led; led++) {
         char key[3] = {*led, *led, '\0'};
@@ -420,7 +417,6 @@ STORY(some_keys_wait_for_a_second)
 
 STORY(slices_marks_and_seeds_to_go_to)
 {
-    begin();
     KEYS("gg|cross 20,25,0", "G|cross 20,25,59", "12G|cross 20,25,12", "42gg|cross 20,25,42");
     facts.counts_down[0] = true; /* K leads to lower numbers: slice 0 is 30 of them up */
     KEYS("gg|cross 20,25,59", "28G|cross 20,25,32");
@@ -435,7 +431,6 @@ STORY(slices_marks_and_seeds_to_go_to)
 
 STORY(seeds_brushes_and_strokes)
 {
-    begin();
     KEYS("i|seed 20,25,30 1", /* of the current label */
          "s3|seed 20,25,30 3", "<Enter>|seed 20,25,30 3", "bi|seed 20,25,30 4",
          "++i|seed 20,25,30 4 radius=2", "-s0|seed 20,25,30 0 radius=1",
@@ -460,7 +455,6 @@ STORY(seeds_brushes_and_strokes)
 
 STORY(a_radius_in_millimetres)
 {
-    begin();
     KEYS("3+Mi|seed 20,25,30 1 radius=3mm|", "M|*|the brush: label 1, radius 3",
          "M-|*|the brush: label 1, radius 2.5mm", "i|seed 20,25,30 1 radius=2.5mm",
          "99+i|seed 20,25,30 1 radius=32mm", "99-i|seed 20,25,30 1",
@@ -479,7 +473,6 @@ static const char *typed_range(const char *text)
 
 STORY(a_brush_within_intensities)
 {
-    begin();
     facts.intensity = -12.5;
     KEYS("t|*|the brush: label 1, radius 0, intensities -17.5..-7.5",
          "40ti|seed 20,25,30 1 range=-52.5..27.5", "+i|seed 20,25,30 1 range=-52.5..27.5 radius=1",
@@ -510,7 +503,6 @@ STORY(a_brush_within_intensities)
 STORY(messages_name_the_keys_that_the_user_has)
 {
     struct pilot_setup own = pilot_setup_default;
-    begin();
     state.setup = &own;
     CHECK(setup_keys(&own, setup_row(&own, "keys"), "F", NULL) == OK);
     CHECK(setup_keys(&own, setup_row(&own, "mark"), "Sa-z", NULL) == OK);
@@ -526,7 +518,6 @@ STORY(messages_name_the_keys_that_the_user_has)
 
 STORY(boxes_and_polygons_are_set_by_their_corners)
 {
-    begin();
     KEYS("d||a box needs one corner, and there are 0; a sets it",
          "a||1 corner; d plants the box to the cross-hair, O its faces, S a ball's shell",
          "<at 5,6,7>d|box 20,25,30 5,6,7 1",
@@ -555,7 +546,6 @@ STORY(boxes_and_polygons_are_set_by_their_corners)
 
 STORY(an_outline_is_drawn_freehand_by_keys)
 {
-    begin();
     WALK("@|||outlining");
     CHECK_TEXT(hint_now(), "moving, or the mouse, draws an outline  Enter plants it  "
                            "Escape drops it");
@@ -581,7 +571,6 @@ STORY(an_outline_is_drawn_freehand_by_keys)
 
 STORY(the_mouse_draws_an_outline_and_letting_go_closes_it)
 {
-    begin();
     WALK("<pane=0>2b@", "<press 5,5>|cross 5,5,7", "<move 15,5><move 15,10><move 15,15><move 5,15>",
          "<release 5,15>|outline 5,5,7 2 to=15,5,7 to=15,15,7 to=5,15,7|*|outlining");
     CHECK_INT(state.outline.count, 0); /* on to the next */
@@ -597,7 +586,6 @@ STORY(the_mouse_draws_an_outline_and_letting_go_closes_it)
 
 STORY(an_outline_that_is_there_is_dragged_and_planted)
 {
-    begin();
     KEYS("<side=20><marker=0><z=7>U||a square of label 1|shaping");
     CHECK_TEXT(hint_now(), "the mouse drags it  Enter plants it  v grabs, lets go  "
                            "Escape drops it");
@@ -627,7 +615,6 @@ STORY(an_outline_that_is_there_is_dragged_and_planted)
 
 STORY(the_slice_that_is_least_certain_comes_with_its_outline)
 {
-    begin();
     KEYS("<side=20><marker=0><doubts=2>\t");
     state.pane = PILOT_SAGITTAL;
     KEYS("}|cross 9,9,1|*label 1, rank 1; a square of label 1|shaping");
@@ -643,7 +630,6 @@ STORY(the_slice_that_is_least_certain_comes_with_its_outline)
 
 STORY(what_the_pen_draws_is_one_command_once_it_is_lifted)
 {
-    begin();
     WALK("v2+lllkk|cross 17,27,30 / seed 17,27,30 1 radius=2 to=17,26,30");
     CHECK(state.sketches && state.is_silent);
     WALK("v|cross 17,27,30 / seed 20,25,30 1 radius=2 to=17,25,30 to=17,27,30");
@@ -667,7 +653,6 @@ STORY(what_the_pen_draws_is_one_command_once_it_is_lifted)
 STORY(a_stroke_too_long_for_a_line_is_in_parts_that_are_joined)
 {
     unsigned x = 20, y = 25, z = 30, from[3], label, steps = 0, lines = 0;
-    begin();
     press_all("v", true);
     for (int i = 0; i < 12000; i++)
         press_all(i % 2 ? "k" : "l", true); /* stairs, as far as the scene goes */
@@ -692,7 +677,6 @@ STORY(a_stroke_too_long_for_a_line_is_in_parts_that_are_joined)
 
 STORY(an_eliminator_shows_first_what_it_takes)
 {
-    begin();
     KEYS("x||marker 7 of 5 voxels at 20; x removes it|confirming", "x|remove 20,25,30|*|moving",
          "xX||the tree of 5 voxels at 20; X removes it|confirming_tree",
          /* the marker, and then its tree instead */
@@ -705,7 +689,6 @@ STORY(an_eliminator_shows_first_what_it_takes)
 
 STORY(a_path_is_shown_and_its_strongest_edge_corrected)
 {
-    begin();
     shown_way = (struct pilot_way){
         .label = 1, .next = 3, .root = {5, 6, 7}, .has_edge = true, .edge = {9, 10, 11}};
     KEYS("P||why 20|explaining");
@@ -728,7 +711,6 @@ STORY(a_path_is_shown_and_its_strongest_edge_corrected)
 
 STORY(hints_are_walked_round_and_round)
 {
-    begin();
     KEYS("<hints=3>)|hint 1", ")|hint 2", "(|hint 1", "(|hint 3", ")|hint 1",
          "7)|hint 7",                                  /* which the command refuses */
          "(|hint 3", "2(|hint 2", "<hints=0>)|hint 1", /* the command says why */
@@ -742,7 +724,6 @@ STORY(hints_are_walked_round_and_round)
 
 STORY(a_change_is_repeated)
 {
-    begin();
     KEYS(".||*there is no change to repeat yet",
          "++s45l<x=15>.|seed 15,25,30 4 radius=2", /* here, whatever was moved meanwhile */
          "xx.|remove 15,25,30", "c|plane 15,25,30", "C|plane none", ".|plane 15,25,30",
@@ -753,7 +734,6 @@ STORY(a_change_is_repeated)
 
 STORY(a_box_or_a_polygon_is_repeated_beside_the_cross_hair)
 {
-    begin();
     KEYS("a<at 25,28,30>d|box 20,25,30 25,28,30 1",
          "<at 35,8,31>3b.|box 30,5,31 35,8,31 3" /* by the brush that there is */);
     CHECK_INT(state.outline.count, 0);
@@ -766,7 +746,6 @@ STORY(a_box_or_a_polygon_is_repeated_beside_the_cross_hair)
 
 STORY(what_is_shown)
 {
-    begin();
     KEYS("e|hide 1");
     hidden[1] = hidden[7] = true;
     KEYS("e|show 1", "<has_seed=0>e|show 1", /* nor a voxel */
@@ -785,7 +764,6 @@ STORY(what_is_shown)
 
 STORY(the_view_and_the_window)
 {
-    begin();
     KEYS("r|turn 15", "3R|turn -45", "<Shift-Up>|turn 0 15", "<Shift-Left>|turn -15",
          ">|turn 0 0 15", "2<lt>|turn 0 0 -30", "<Alt-Down>|pan 0 16", "<Alt-l>|pan 16 0",
          "Va|view front", "Vp|view back", "Vl|view left", "Vr|view right", "Vs|view top",
@@ -805,7 +783,6 @@ STORY(the_view_and_the_window)
 
 STORY(the_brush_is_exact_while_there_are_pieces_of_a_segmentation)
 {
-    begin();
     shown_way = (struct pilot_way){
         .label = 1, .next = 3, .root = {5, 6, 7}, .has_edge = true, .edge = {9, 10, 11}};
     facts.has_pieces = true; /* `labels FILE` */
@@ -834,7 +811,6 @@ STORY(the_brush_is_exact_while_there_are_pieces_of_a_segmentation)
 STORY(labels_have_the_numbers_of_their_file)
 {
     static const uint32_t of_file[] = {0, 2, 41, 1035, 4294967295};
-    begin();
     numbers = of_file;
     number_count = 5;
     facts.has_pieces = facts.has_object = true;
@@ -862,7 +838,6 @@ STORY(labels_have_the_numbers_of_their_file)
 
 STORY(a_stroke_is_as_exact_as_its_brush)
 {
-    begin();
     facts.has_pieces = true;
     WALK("v2+ll|cross 18,25,30 / seed 18,25,30 1 within=0 radius=2 to=19,25,30",
          "ge|cross 18,25,30 / seed 20,25,30 1 within=0 radius=2 to=18,25,30",
@@ -878,7 +853,6 @@ STORY(a_stroke_is_as_exact_as_its_brush)
 
 STORY(a_brush_changes_one_label_alone_or_all_others)
 {
-    begin();
     facts.has_pieces = true;
     facts.label = 0;
     KEYS("go||the brush: label 1, radius 0, exact, over 0", "i|seed 20,25,30 1 within=0 over=0",
@@ -905,7 +879,6 @@ STORY(a_brush_that_grows_limits_only_balls)
                                   "more; nothing was planted";
     static const char *const none[] = {"i", "s2",     "I<x+1>++i", "v", "<x+1>d",
                                        "S", "<z+1>O", "PS",        "A", "@llkkhh<Enter>"};
-    begin();
     shown_way = (struct pilot_way){.next = 3, .root = {5, 6, 7}, .has_edge = true};
     KEYS("a<x+3>d|box 20,25,30 23,25,30 1", "2go");
     for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
@@ -928,7 +901,6 @@ STORY(the_first_exact_gesture_among_grown_objects_names_the_key_that_freezes_the
                                   "then gl keeps all labels as they are";
     struct pilot_setup own = pilot_setup_default;
     char row[200];
-    begin();
     state.setup = &own;
     CHECK(setup_keys(&own, setup_row(&own, "undo"), "U", NULL) == OK);
     facts.is_grown = true;
@@ -956,7 +928,6 @@ STORY(no_state_of_the_brush_makes_a_command_that_is_refused)
     uint64_t seed = 7;
     unsigned exact = 0, over = 0;
     begin_interpreter(&interp);
-    begin();
     state.setup = &pilot_setup_default;
     must(&interp, "open synth:geom:40x50x60; auto on; seed 1,1,1 0; seed 20,25,30 1 radius=5");
     for (int i = 0; i < 1500; i++) {
@@ -985,7 +956,6 @@ STORY(no_state_of_the_brush_makes_a_command_that_is_refused)
 
 STORY(corrections_are_made_on_the_rendition)
 {
-    begin();
     KEYS("p|*|*|picking");
     CHECK(state.pixel[0] == 32 && state.pixel[1] == 24);
     KEYS("llj|", "2|cross 34,25,9 / seed 34,25,9 2|*|picking" /* a digit plants there, */
@@ -1012,7 +982,6 @@ STORY(what_is_no_command)
         enum pilot_request request;
     } rows[] = {{":|", PILOT_PROMPT},        {"q", PILOT_LEAVE},     {"<Ctrl-l>", PILOT_REDRAW},
                 {"<Ctrl-z>", PILOT_SUSPEND}, {"?", PILOT_SHOW_KEYS}, {"Y||*? shows the keys", 0}};
-    begin();
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         KEYS(rows[i].keys);
         CHECK_INT(request, rows[i].request);
@@ -1024,7 +993,6 @@ STORY(what_is_no_command)
 
 STORY(what_was_chosen_stays_from_one_time_to_the_next)
 {
-    begin();
     KEYS("7b3+<Tab>mkIv12");
     pilot_state_enter(&state);
     CHECK(state.mode == PILOT_MOVING && !state.pen.is_down && state.count == 0);
@@ -1036,7 +1004,6 @@ STORY(what_was_chosen_stays_from_one_time_to_the_next)
 
 STORY(a_click_takes_the_cross_hair_there_and_the_pen_draws)
 {
-    begin();
     KEYS("<pane=1><press 3,4>|cross 3,4,7");
     CHECK(state.pane == PILOT_CORONAL);
     KEYS("<at 3,4,7><move 5,4>|cross 5,4,7", "<release 5,4>|", "<move 6,4>|", /* not held */
@@ -1050,7 +1017,6 @@ STORY(a_click_takes_the_cross_hair_there_and_the_pen_draws)
 
 STORY(the_right_button_pulls_a_shell_open)
 {
-    begin();
     KEYS("2b", "<pane=1><right-press 3,4>|cross 3,4,7", "<at 3,4,7><right-move 5,4>|cross 5,4,7",
          "<right-release 8,4>|seed 3,4,7 0 shell=yes around=2 through=8,4,7",
          "<right-release 8,4>|", "<right-move 8,4>|",
@@ -1068,7 +1034,6 @@ STORY(the_right_button_pulls_a_shell_open)
 
 STORY(where_one_corrects_a_click_takes_the_pixel_there)
 {
-    begin();
     KEYS("p<pane=3><press 20,30>||*|picking");
     CHECK(state.pixel[0] == 10 && state.pixel[1] == 15);
     KEYS("2|cross 10,15,9 / seed 10,15,9 2",
@@ -1093,7 +1058,6 @@ static uint32_t magnified(const char *key, unsigned often)
 
 STORY(slices_are_magnified_around_the_cross_hair)
 {
-    begin();
     KEYS("]|magnify 1.25 at=20,25,30");
     CHECK(state.is_silent);
     KEYS("4]|magnify 2.5 at=20,25,30", "[||*slices are shown whole", "W|",
@@ -1109,7 +1073,6 @@ STORY(slices_are_magnified_around_the_cross_hair)
 
 STORY(what_is_magnified_can_be_moved)
 {
-    begin();
     KEYS("<Alt-Left>|pan -16 0", /* whole slices: the rendition */
          "<times=3000><Alt-Right>|magnify 3 at=11,10,0", "v|",
          "<Alt-Left>|cross 21,25,30 / magnify 3 at=9,10,0", /* no stroke */
@@ -1120,7 +1083,6 @@ STORY(what_is_magnified_can_be_moved)
 
 STORY(one_pane_has_the_whole_screen_or_none)
 {
-    begin();
     CHECK(!state.is_alone);
     KEYS("f||*|moving");
     CHECK(state.is_alone);
@@ -1133,7 +1095,6 @@ STORY(one_pane_has_the_whole_screen_or_none)
 
 STORY(the_wheel_takes_the_question_about_a_tree_away)
 {
-    begin();
     KEYS("<pane=0>x|*|*|confirming",
          "<wheel-up 1,1>|cross 20,25,31|*|moving", /* another tree may be there */
          "x||*x removes it", "x|remove 20,25,30",
@@ -1144,7 +1105,6 @@ STORY(what_a_click_says_takes_the_place_of_what_was_said)
 {
     const struct key_event event = {.key = KEY_MOUSE,
                                     .mouse = {.action = MOUSE_PRESSED, .button = MOUSE_LEFT}};
-    begin();
     KEYS("<shows=0>");
     for (int i = 0; i < 2; i++)
         click_on(&event, 8, 9);
@@ -1232,7 +1192,6 @@ STORY(headings_and_keys_have_colours_where_there_are_any)
 
 STORY(what_is_dangerous_and_how_to_begin_are_said)
 {
-    begin();
     CHECK_HAS(hint_now(), "nothing to show yet: i plants a seed here");
     facts.has_object = true;
     CHECK_HAS(hint_now(), "i seed  b label");
@@ -1358,7 +1317,6 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
                                        "  0.5,18.0,-2.0 mm",
                                        "  mean 93, SD 12, 78 x 102 x 94 mm",
                                        "  3 wait for space"};
-    begin();
     label_name = "ventricle";
     facts.axis[0] = 2;
     facts.plane[0] = "axial";
@@ -1427,7 +1385,6 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
 
 STORY(where_one_watches_keys_lead_from_step_to_step)
 {
-    begin();
     state.watches = true;
     pilot_state_enter(&state);
     KEYS(" |step on 1", "12 |step on 12", "<Backspace>|step back 1", "20G|step to 20",
@@ -1458,7 +1415,6 @@ STORY(no_key_has_two_meanings)
 STORY(any_keys_make_lines_that_are_whole)
 {
     uint64_t seed = 4;
-    begin();
     for (int i = 0; i < 20000; i++) {
         static const enum key keys[] = {KEY_CHARACTER, KEY_CHARACTER, KEY_CHARACTER, KEY_UP,
                                         KEY_LEFT,      KEY_ENTER,     KEY_ESCAPE,    KEY_TAB};
@@ -1630,7 +1586,6 @@ STORY(keys_typed_ahead_are_taken_in_their_order)
 
 STORY(keys_typed_ahead_show_where_the_cross_hair_goes_and_no_more)
 {
-    begin();
     ahead = (struct typed_ahead){.count = 0};
     peeks = 0;
     type_ahead("10ll\tK");

@@ -118,11 +118,12 @@ static void model_field(const struct volume *v, int label, int sweeps, int reach
         u[i] = v->label[i] == label ? RELAX_ONE : 0;
     const int64_t scale = model_scale(v, far, reach);
     for (int half = 0; half < 2 * sweeps; half++)
-        for (int i = 0; i < v->count; i++)
-            if (((i % v->size[0] + i / v->size[0] % v->size[1] + i / v->size[0] / v->size[1]) % 2 ==
-                 0) == (half % 2 == 0) &&
-                far[i] <= reach && !v->stays[i] && !v->is_outside[i])
+        for (int i = 0; i < v->count; i++) {
+            const int row = i / v->size[0];
+            const bool is_even = (i % v->size[0] + row % v->size[1] + row / v->size[1]) % 2 == 0;
+            if (is_even == (half % 2 == 0) && far[i] <= reach && !v->stays[i] && !v->is_outside[i])
                 model_move(v, scale, u, i);
+        }
 }
 
 /* The label that a voxel gets. Fields of labels whose band does not contain the voxel are

@@ -273,6 +273,11 @@ static void begin_values(float slope, float intercept)
     begin_anew();
     must(&interp, "open values.nii; size 10 10; overlay none cross=off marks=off words=off");
 }
+static void begin_plain(void)
+{
+    begin_values(1, 0);
+}
+EACH_STORY(begin_plain, NULL)
 
 /* Execute lines, and check the greys of voxels x, y of the axial slice that they show: columns run
  * from the patient's right, rows from A. */
@@ -310,7 +315,6 @@ STORY(windows_are_in_real_values)
 
 STORY(an_automatic_window_leaves_the_extremes_out)
 {
-    begin_values(1, 0);
     MUST_MENTION(&interp, "window auto", "window auto: 10 994,");
     GREYS("slice axial 0", {0, 1, 0}, {1, 2, 3}); /* 11 of 984, times 255: 2.85 */
     MUST_MENTION(&interp, "info", "slices    through 5,5,0: axial 0, coronal 5, sagittal 5;");
@@ -364,7 +368,6 @@ STORY(titles_say_where_a_scene_is_however_far_that_is)
 
 STORY(slices_move_the_cross_hair)
 {
-    begin_values(1, 0);
     CHECK_INT(interp.session->now.outlook.slices.cross[2], 5); /* the middle */
     must(&interp, "cross 1,2,3; slice axial");
     CHECK(interp.shows_picture && interp.shown.width == 10 && interp.shown.height == 10);
@@ -384,7 +387,6 @@ STORY(slices_move_the_cross_hair)
 
 STORY(a_zoom_stays_until_it_fits_again)
 {
-    begin_values(1, 0);
     /* The voxel 2,2: 22; its neighbour: 21. */
     GREYS("window 0 1000; cross 2,2,0; slice axial zoom=5", {7, 5, 6}, {3, 3, 6}, {2, 3, 5});
     CHECK_TEXT(buf_text(&reply.canonical), "slice axial zoom=5");
@@ -395,7 +397,6 @@ STORY(a_zoom_stays_until_it_fits_again)
 /* Slices and mosaics are magnified alike, until they are whole again. */
 STORY(what_is_magnified_stays_so_and_keeps_the_cross_hair_in_sight)
 {
-    begin_values(1, 0);
     MUST_MENTION(&interp, "window 0 1000; cross 2,2,0; magnify 5", ", magnified 5, overlay ");
     CHECK_TEXT(buf_text(&reply.canonical), "magnify 5");
     CHECK(!interp.shows_picture);
@@ -444,7 +445,6 @@ static void marks_are(const char *lines, bool seed, bool eliminator, bool waitin
 
 STORY(what_waits_and_what_was_eliminated_is_marked)
 {
-    begin_values(1, 0);
     marks_are("size 60 60; window 0 100000; label 3 thing #0102fd; overlay marks=on; cross 0,0,4",
               false, false, false);
     marks_are("seed 3,3,4 3", true, false, true);
@@ -464,7 +464,6 @@ STORY(what_waits_and_what_was_eliminated_is_marked)
 
 STORY(hidden_labels_are_not_overlaid)
 {
-    begin_values(1, 0);
     must(&interp, "label 3 thing #ff0000; seed 3,3,4 3; run; slice axial 4");
     const uint64_t plain = canvas_digest(&interp.shown);
     must(&interp, "overlay tint; slice axial");
@@ -476,7 +475,6 @@ STORY(hidden_labels_are_not_overlaid)
 STORY(mosaics_have_the_size_of_the_view)
 {
     static const char *const sizes[] = {"size 16 16", "size 17 300", "size 129 128", "size 333 57"};
-    begin_values(1, 0);
     must(&interp, "overlay tint cross=on marks=on words=on; seed 3,3,4 3");
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         must(&interp, sizes[i]);
@@ -511,7 +509,6 @@ static uint32_t zoom_after(const char *lines)
 /* A zoom of its own changes nothing that is recorded. */
 STORY(a_panel_fits_the_rendition_in_until_somebody_chooses_a_zoom)
 {
-    begin_values(1, 0);
     const uint32_t fitting = view_fitting_zoom(interp.session->scene, 100, 100, 1);
     CHECK(fitting > VIEW_ZOOM_ONE);
     must(&interp, "size 100 100; seed 3,3,4 3; render");
@@ -537,7 +534,6 @@ STORY(a_large_pane_has_a_rendition_of_as_many_pixels)
     } table[] = {{320, 320, 320, 320}, {100, 100, 320, 320}, {300, 150, 320, 160},
                  {150, 300, 160, 320}, {512, 100, 512, 100}, {100, 400, 100, 400}};
     struct slicing_panel panel = {.screen = {320, 320, 8, 16, false, MOSAIC_RENDITION}};
-    begin_values(1, 0);
     must(&interp, "seed 3,3,4 3");
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         const struct row *row = &table[i];
@@ -567,7 +563,6 @@ STORY(a_panel_has_nothing_of_the_one_before)
     struct slicing_panel before = {.screen = {320, 320, 8, 16, true, MOSAIC_AXIAL}, .words = true};
     struct slicing_panel after = {.screen = {320, 320, 8, 16, false, MOSAIC_AXIAL}};
     struct canvas again = {0}, anew = {0};
-    begin_values(1, 0);
     must(&interp, "seed 3,3,4 3");
     CHECK(slicing_draw_panel(&again, interp.session, &before, &fault) == OK);
     const uint8_t *memory = again.rgba;
@@ -597,7 +592,6 @@ static int shown_in_middle(void)
 /* Without a chosen zoom a panel shows the visible labels as large as they fit. */
 STORY(a_panel_follows_what_is_shown)
 {
-    begin_values(1, 0);
     const struct scene *scene = interp.session->scene;
     const uint32_t fitting = view_fitting_zoom(scene, 100, 100, 1);
     const uint32_t *n = scene->grid.size, middle[3] = {n[0] / 2, n[1] / 2, n[2] / 2};
@@ -653,7 +647,6 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
 {
     struct slicing_panel panel;
     OWNED(canvas_release) struct canvas hasty = {0}, fine = {0}, turned = {0};
-    begin_values(1, 0);
     must(&interp, "seed 3,3,4 3; run");
     CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty) && !is_hasty(0, &panel, &fine));
     CHECK_INT(differing(&hasty, &fine, &panel, false), 0);
@@ -688,7 +681,6 @@ STORY(a_name_of_a_slice_stands_for_its_pixels)
     uint64_t name[LINES * NUMBERS], pixels[LINES * NUMBERS];
     size_t count = 0, again = 0;
     OWNED(panes_release) struct panes panes = {.notes = 0};
-    begin_values(1, 0);
     for (size_t l = 0; l < LINES; l++) {
         static const struct buf no_words[PANES_LINES];
         const struct pilot_wish wish = {
@@ -717,7 +709,6 @@ STORY(a_name_of_a_slice_stands_for_its_pixels)
 /* A scene of 10 voxels a side is shown as large as possible. */
 STORY(slices_of_a_small_scene_fill_their_panes)
 {
-    begin_values(1, 0);
     struct slicing_panel panel = {.screen = {1600, 1000, 8, 16, true, MOSAIC_AXIAL}};
     OWNED(canvas_release) struct canvas canvas = {0};
     CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
@@ -734,7 +725,6 @@ STORY(slices_of_a_small_scene_fill_their_panes)
 
 STORY(without_memory_nothing_is_shown)
 {
-    begin_values(1, 0);
     must(&interp, "seed 3,3,4 3; size 50 50; overlay marks=on");
     for (unsigned left = 0; left < 200; left++) {
         allow_allocations(left);
@@ -757,7 +747,6 @@ static void picks(const char *line, const char *words)
 
 STORY(a_pixel_of_a_slice_tells_its_voxel)
 {
-    begin_values(1, 0);
     must(&interp, "seed 3,3,4 3; cross 1,2,3");
     picks("pick 0 0 of=axial", "voxel 9,9,3 at 9.0,9.0,3.0 mm: intensity 399,");
     picks("pick 9 9 of=axial", "voxel 0,0,3 ");
@@ -789,7 +778,6 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
 {
     static const char *const how[] = {"magnify fit", "magnify 1.7 at=0,9,4", "magnify 3",
                                       "magnify 12.5 at=8,1,1", "slice axial zoom=7"};
-    begin_values(1, 0);
     must(&interp, "cross 7,3,2; size 60 45");
     for (size_t i = 0; i < sizeof how / sizeof how[0]; i++) {
         must(&interp, how[i]);
@@ -814,7 +802,6 @@ STORY(each_pixel_tells_the_voxel_that_it_was_drawn_of)
 STORY(an_exr_of_a_slice_holds_labels_and_voxels)
 {
     struct picture picture;
-    begin_values(1, 0);
     must(&interp, "seed 3,3,4 3; run; size 12 10");
     MUST_MENTION(&interp, "slice axial 4 slice.exr", "wrote slice.exr");
     refused("slice axial 4 slice.exr", "exists");
