@@ -83,12 +83,12 @@ static inline void check_register(struct story *story)
     static void story_##told(void)
 
 /* Functions that are called before and after each story, or NULL. */
-static void (*check_begin)(void), (*check_end)(void);
+static void (*check_before)(void), (*check_after)(void);
 #define EACH_STORY(begin, end)                                                                     \
     __attribute__((constructor)) static void check_each(void)                                      \
     {                                                                                              \
-        check_begin = begin;                                                                       \
-        check_end = end;                                                                           \
+        check_before = begin;                                                                       \
+        check_after = end;                                                                           \
     }
 
 /* Run all stories in the order of the file; return the status of the program. */
@@ -98,11 +98,11 @@ static inline int check_run(void)
     for (const struct story *story = check_stories; story; story = story->next) {
         check_failures = 0;
         check_missing = NULL;
-        if (check_begin)
-            check_begin();
+        if (check_before)
+            check_before();
         story->run();
-        if (check_end)
-            check_end();
+        if (check_after)
+            check_after();
         failed += check_failures > 0;
         printf("%s %u - %s", check_failures ? "not ok" : "ok", ++count, story->name);
         if (check_missing && !check_failures)

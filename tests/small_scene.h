@@ -214,7 +214,7 @@ static inline void markers_stand(const struct session *session)
 {
     const struct scene *scene = session->scene;
     const struct edit *pending = edits_first(&session->now.lists.pending);
-    struct edit *seed = malloc(scene->grid.cells * sizeof *seed);
+    OWNED(mem_release) struct edit *seed = malloc(scene->grid.cells * sizeof *seed);
     bool same = true;
     for (uint32_t c = 0; c < scene->grid.cells; c++) {
         seed[c].label = scene->cell[c].flags & CELL_SEED ? scene->cell[c].label : EDIT_ERASE;
@@ -226,7 +226,6 @@ static inline void markers_stand(const struct session *session)
         const struct edit edit = markers_edit(&session->markers, c);
         same &= seed[c].label == edit.label && seed[c].reach == edit.reach;
     }
-    free(seed);
     CHECK(same);
 }
 

@@ -118,11 +118,10 @@ STORY(the_register_helper_reaches_nothing)
     CHECK_HAS(fault.text, "attempts, all refused");
     const struct placed_grid grid = {{8, 8, 8}, &geometry};
     struct affine way;
-    struct buf words = {0};
+    OWNED(buf_release) struct buf words = {0};
     CHECK_INT(transform_read(&way, &words, file_with("a.tfm", "#Insight Transform File V1.0\n"),
                              &grid, &grid, &fault),
               ERR_INPUT);
-    buf_release(&words);
     CHECK_HAS(fault.text, "a.tfm: reading: ");
     CHECK_HAS(fault.text, "attempts, all refused");
     register_helper_program = NULL;

@@ -169,8 +169,8 @@ STORY(the_polygon_of_a_contour_is_the_piece_at_a_place_or_the_largest)
 {
     size_t both = 0, of_piece = 0, of_polygon = 0;
     for (int round = 0; round < 400 && check_failures == 0; round++) {
-        struct polyline line = {0};
-        struct voxels filled = {0};
+        OWNED(polyline_release) struct polyline line = {0};
+        OWNED(voxels_release) struct voxels filled = {0};
         begin();
         for (uint32_t n = 1 + below(5); n > 0; n--)
             add_shape(below(4) ? LABEL : 1);
@@ -194,8 +194,6 @@ STORY(the_polygon_of_a_contour_is_the_piece_at_a_place_or_the_largest)
                     of_polygon += has[cell];
                 }
         }
-        voxels_release(&filled);
-        polyline_release(&line);
         end();
     }
     CHECK(of_piece > 50000);
@@ -205,7 +203,7 @@ STORY(the_polygon_of_a_contour_is_the_piece_at_a_place_or_the_largest)
 STORY(of_a_rectangle_it_has_four_corners)
 {
     for (int round = 0; round < 200 && check_failures == 0; round++) {
-        struct polyline line = {0};
+        OWNED(polyline_release) struct polyline line = {0};
         begin();
         const uint32_t *size = scene.grid.size;
         const uint32_t wide = 2 + below(size[across[0]] - 1), high = 2 + below(size[across[1]] - 1),
@@ -223,7 +221,6 @@ STORY(of_a_rectangle_it_has_four_corners)
                 CHECK_INT(line.corner[i][across[0]], left + (i % 3 ? wide - 1 : 0));
                 CHECK_INT(line.corner[i][across[1]], top + (i / 2 ? high - 1 : 0));
             }
-        polyline_release(&line);
         end();
     }
 }

@@ -266,7 +266,7 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
     unsigned open = 0;
     for (int sitting = 0; sitting < (int)check_scaled(250) && check_failures == 0; sitting++) {
         struct stage s;
-        struct rendition kept;
+        OWNED(rendition_release) struct rendition kept = {0};
         stage_at_random(&s, &random);
         random_view(&s, &random);
         for (int i = 0; i < 4; i++)
@@ -285,7 +285,6 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
         for (uint32_t c = 0; c < s.scene->grid.cells; c++)
             open += border_is_cut(&s.border, c);
         a_new_shader_sees_the_same(&s, &random);
-        rendition_release(&kept);
         stage_release(&s);
         if (check_failures)
             printf("# sitting %d\n", sitting);

@@ -73,7 +73,7 @@ static void check_fit(const struct world *w, const struct view *view)
 {
     struct view wide = *view;
     struct camera camera;
-    struct mesh mesh = {0};
+    OWNED(mesh_release) struct mesh mesh = {0};
     OWNED(rendition_release) struct rendition r = {0};
     uint32_t box[2][2];
     const uint32_t size[2] = {view->width, view->height}, beyond = 60;
@@ -85,7 +85,6 @@ static void check_fit(const struct world *w, const struct view *view)
     CHECK(rendition_init(&r, wide.width, wide.height, NULL) == OK);
     CHECK(mesh_update(&mesh, &w->border, MESH_CUBES, NULL, NULL, NULL) == OK);
     project_border(&r, &camera, &mesh);
-    mesh_release(&mesh);
     find_box(box, &r);
     uint64_t most = 0, voxel = 0; /* pixels of the largest */
     for (int a = 0; a < 3; a++) {
@@ -115,7 +114,7 @@ STORY(what_is_shown_fills_the_picture_from_everywhere)
     uint64_t random = 11;
     for (int round = 0; round < 1500 && check_failures == 0; round++) {
         struct world w;
-        struct fit fit;
+        OWNED(fit_release) struct fit fit = {0};
         uint32_t place[3];
         begin_world(&w, &random);
         CHECK_INT(fit_init(&fit, &w.border, NULL), OK);
@@ -126,7 +125,6 @@ STORY(what_is_shown_fills_the_picture_from_everywhere)
         w.view.zoom = fit_zoom(&fit, &w.view, place, 1 + check_below(&random, 4));
         view_focus_on(&w.view, w.scene, place);
         check_fit(&w, &w.view);
-        fit_release(&fit);
         end_world(&w);
     }
 }
@@ -136,7 +134,7 @@ STORY(where_nothing_is_shown_the_scene_fits)
     uint64_t random = 12;
     for (int round = 0; round < 100 && check_failures == 0; round++) {
         struct world w;
-        struct fit fit;
+        OWNED(fit_release) struct fit fit = {0};
         uint32_t place[3];
         begin_world(&w, &random);
         memset(w.border.visible, 0, sizeof w.border.visible);
@@ -151,7 +149,6 @@ STORY(where_nothing_is_shown_the_scene_fits)
             w.scene->cell[i].label = !(w.scene->cell[i].flags & CELL_RIM);
         border_recount(&w.border);
         check_fit(&w, &w.view);
-        fit_release(&fit);
         end_world(&w);
     }
 }

@@ -66,7 +66,7 @@ STORY(where_no_labels_meet_there_are_none)
 STORY(a_way_leads_back_to_the_seed)
 {
     static const uint16_t weight[] = {1, 1, 4, 2, 4, 7, 2, 2};
-    struct way way = {0};
+    OWNED(way_release) struct way way = {0};
     w = world_new(8, 1, 1, 6);
     const uint32_t first = grid_cell(&w.scene->grid, 0, 0, 0);
     for (uint32_t x = 0; x < 8; x++)
@@ -78,7 +78,6 @@ STORY(a_way_leads_back_to_the_seed)
     CHECK(way_find(&way, w.forest, first + 7, NULL) == OK);
     CHECK_INT(way.edge, first + 5);
     CHECK(way_find(&way, w.forest, first, NULL) == OK && way.count == 1 && way.edge == CELL_NONE);
-    way_release(&way);
     end_world();
 }
 

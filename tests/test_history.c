@@ -51,10 +51,9 @@ STORY(every_kind_of_command_is_undone_and_done_again)
         must(&interp, "size 24 24");
         must(&interp, by_itself ? "auto on" : "auto off");
         take_snapshot(&first, &interp);
-        struct buf deed = {0};
+        OWNED(buf_release) struct buf deed = {0};
         for (const char *at = deeds; next_line(&deed, &at);)
             goes_back_and_forth(&interp, buf_text(&deed));
-        buf_release(&deed);
         CHECK(interp.history.points > DEEDS - 5);
         while (execute(&interp, "undo") == OK)
             continue;

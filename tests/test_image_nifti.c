@@ -800,7 +800,7 @@ STORY(damaged_gzip_never_does_harm)
     save_packed(packed, m.bytes, m.length);
     CHECK_INT(file_read(&file, packed, 4096, NULL), OK);
     for (int round = 0; round < 3000; round++) {
-        struct volume v;
+        OWNED(volume_release) struct volume v = {0};
         struct fault fault = {0};
         uint32_t at = check_below(&chance, (uint32_t)file.length);
         char kept = file.data[at];
@@ -810,7 +810,6 @@ STORY(damaged_gzip_never_does_harm)
         if (volume_read(&v, packed, NULL, NULL, &fault) == OK)
             for (unsigned i = 0; i < VOXELS; i++)
                 CHECK_INT(v.intensity[i], m.bytes[DATA + 2 * i] | m.bytes[DATA + 2 * i + 1] << 8);
-        volume_release(&v);
         file.data[at] = kept;
     }
 }
@@ -918,11 +917,10 @@ STORY(the_place_in_the_world_is_kept)
         CHECK_INT(write_sample(plain, size, &v.geometry, VOXEL_UINT8, FILE_REPLACE, NULL), OK);
         CHECK_INT(volume_read(&w, plain, NULL, NULL, NULL), OK);
         CHECK_INT(w.geometry.qform.code, 3);
-        struct buf file = {0};
+        OWNED(buf_release) struct buf file = {0};
         CHECK_INT(file_read(&file, plain, 4096, NULL), OK);
         memset(file.data + SFORM, 0, 2); /* now the qform alone has to say it */
         save(plain, file.data, file.length);
-        buf_release(&file);
         CHECK_INT(volume_read(&only_q, plain, NULL, NULL, NULL), OK);
         for (int i = 0; i < 12; i++) {
             double e = v.geometry.to_mm[i / 4][i % 4];

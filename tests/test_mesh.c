@@ -361,7 +361,7 @@ static void fails_and_comes_right(unsigned number, bool is_stopped)
         happens(&s, &kind, &random);
     CHECK(mesh_update(&s.mesh, &s.border, kind, NULL, NULL, NULL) == OK);
     for (size_t left = 0; left < 40 && check_failures == 0; left += 1 + left / 4) {
-        struct mesh copy;
+        OWNED(mesh_release) struct mesh copy = {0};
         struct fault fault = {0};
         int looks = (int)left;
         struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
@@ -380,7 +380,6 @@ static void fails_and_comes_right(unsigned number, bool is_stopped)
                   memcmp(s.mesh.opacity, copy.opacity, sizeof copy.opacity) == 0);
         else
             is_right(&s.mesh, &s.border, kind);
-        mesh_release(&copy);
         if (check_below(&random, 2))
             happens(&s, &kind, &random);
         if (check_below(&random, 2)) {

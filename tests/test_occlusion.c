@@ -410,14 +410,13 @@ STORY(memory_that_runs_out_is_an_error_and_the_next_picture_is_right)
     s.look.creases = 1;
     stage_draw(&s);
     const uint64_t expected = rendition_digest(&s.rendition);
-    struct shader counted = {.window = {0, 4000}};
+    OWNED(shader_release) struct shader counted = {.window = {0, 4000}};
     memset(s.rendition.stale, TILE_STALE, (size_t)s.rendition.tiles_x * s.rendition.tiles_y);
     count_allocations();
     CHECK(shade(&s.rendition, &s.camera, &s.mesh, &s.palette, &s.look, &counted, NULL) == OK);
     mem_allows = NULL;
-    shader_release(&counted);
     for (size_t left = 0; check_failures == 0; left++) {
-        struct shader shader = {.window = {0, 4000}};
+        OWNED(shader_release) struct shader shader = {.window = {0, 4000}};
         struct fault fault = {0};
         memset(s.rendition.stale, TILE_STALE, (size_t)s.rendition.tiles_x * s.rendition.tiles_y);
         allow_allocations(left);
@@ -429,7 +428,6 @@ STORY(memory_that_runs_out_is_an_error_and_the_next_picture_is_right)
             failed++;
         colour(&s, &s.rendition, &shader);
         CHECK(rendition_digest(&s.rendition) == expected);
-        shader_release(&shader);
         if (!err)
             break;
     }

@@ -666,7 +666,7 @@ STORY(whatever_the_terminal_drops_is_sent_again)
                                                      {left + 2, 0, 298 - left, 160},
                                                      {3, 165, 150, what == 0 ? 0 : 150}};
             uint32_t kind[SLICES];
-            struct buf out = {0};
+            OWNED(buf_release) struct buf out = {0};
             for (unsigned s = 0; s < SLICES; s++)
                 kind[s] = check_below(&seed, SLICE_KINDS);
             lay_slices(&view, boxes, kind, check_below(&seed, 9), &seed);
@@ -690,7 +690,6 @@ STORY(whatever_the_terminal_drops_is_sent_again)
                 painter.image = 0;
             }
             CHECK(screen_feed(&out));
-            buf_release(&out);
             show_kept(&view, check_below(&seed, 2) ? check_below(&seed, 9000) : 0);
             for (unsigned more = 0; more < 3; more++)
                 if (hear_replies()) {
@@ -698,10 +697,9 @@ STORY(whatever_the_terminal_drops_is_sent_again)
                     show_kept(&view, 1);
                 }
             if (what == 7 || (what < 7 && what > 4) || screen.kitty.quota) {
-                struct buf all = {0}; /* a shown strip that was dropped is not reported: restart */
-                painter_drop(&painter, &all);
+                OWNED(buf_release) struct buf all = {0};
+                painter_drop(&painter, &all); /* a dropped strip is not reported: restart */
                 CHECK(screen_feed(&all));
-                buf_release(&all);
                 show_kept(&view, 1);
             }
             CHECK_INT(wrong_pixels(&view), 0);

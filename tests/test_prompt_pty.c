@@ -814,7 +814,7 @@ static bool cancel_opening(void)
 
 STORY(ctrl_c_takes_back_a_line_or_a_command)
 {
-    struct buf journal_text = {0};
+    OWNED(buf_release) struct buf journal_text = {0};
     start_without_scene();
     BEGIN_AFTER("seed 1,1,1", "session> seed 1,1,1");
     ROW_AFTER("\003", "session> seed 1,1,1^C");
@@ -829,7 +829,6 @@ STORY(ctrl_c_takes_back_a_line_or_a_command)
     quit();
     CHECK(file_read(&journal_text, "session-1.iftty", 1 << 20, NULL) == OK);
     CHECK(!strstr(buf_text(&journal_text), "\nopen "));
-    buf_release(&journal_text);
     unlink("session-1.iftty");
 }
 

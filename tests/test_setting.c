@@ -102,7 +102,7 @@ BEGUN_STORY(a_setting_is_told_as_it_is_typed, begin_interpreter)
  * gives the same state. */
 STORY(every_setting_is_undone_done_again_and_replayed)
 {
-    struct interpreter interp, again;
+    OWNED(interpreter_release) struct interpreter interp = {0}, again = {0};
     OWNED(replay_report_release) struct replay_report report = {0};
     OWNED(buf_release) struct buf line = {0};
     begin_interpreter(&interp);
@@ -131,12 +131,10 @@ STORY(every_setting_is_undone_done_again_and_replayed)
             printf("#   %s sets nothing that a state is compared by\n", setting->name);
     }
     const struct state now = interp.session->now;
-    interpreter_release(&interp);
     begin_interpreter(&again);
     CHECK(replay_file(&again, file_in(folder, "j.iftty"), 0, 0, NULL, NULL, &report, &fault) == OK);
     CHECK(kept_equals(&now.kept, &again.session->now.kept));
     CHECK(outlook_equals(&now.outlook, &again.session->now.outlook));
-    interpreter_release(&again);
 }
 
 /* A session begins with the usual values, so that no optional part is written. */

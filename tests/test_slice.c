@@ -799,14 +799,13 @@ static char letter_at(const struct canvas *s, int edge)
     static const uint32_t corner[4][2] = {{0, 40}, {85, 40}, {40, 0}, {40, 80}};
     for (const char *letter = "RLAPSI"; *letter; letter++) {
         const char word[2] = {*letter, '\0'}, *const sides[4] = {word, word, word, word};
-        struct canvas expected;
+        OWNED(canvas_release) struct canvas expected = {0};
         bool same = true;
         CHECK(canvas_init(&expected, 100, 100, 0, NULL) == OK);
         notes_draw_sides(&expected, 100, sides, &notes_light);
         for (uint32_t y = 0; y < 20; y++)
             same &= memcmp(canvas_pixel(&expected, corner[edge][0], corner[edge][1] + y),
                            canvas_pixel(s, corner[edge][0], corner[edge][1] + y), 15 * 4) == 0;
-        canvas_release(&expected);
         if (same)
             return *letter;
     }
@@ -820,10 +819,9 @@ static void letters_are(const struct scene *scene, enum slice_plane plane, const
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
     const struct slice_choice choice = {
         .plane = plane, .pixel_pm = 10 * MM, .notes = SLICE_LETTERS};
-    struct canvas s = take(scene, &choice, &style, 100, 100);
+    OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, 100, 100);
     for (int edge = 0; edge < 4; edge++)
         CHECK_INT(letter_at(&s, edge), expected[edge]);
-    canvas_release(&s);
     slice_letters(scene, plane, letter);
     CHECK_TEXT(letter, expected);
 }

@@ -498,9 +498,8 @@ static uint32_t zoom_after(const char *lines)
 {
     must(&interp, lines);
     struct slicing_panel panel = {.screen = {640, 640, 8, 16, true, MOSAIC_AXIAL}};
-    struct canvas canvas = {0};
+    OWNED(canvas_release) struct canvas canvas = {0};
     CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
-    canvas_release(&canvas);
     const struct view *shown = &interp.session->pictures->camera.view;
     const uint32_t width = interp.session->now.outlook.view.width;
     return (shown->zoom * width + shown->width - 1) / shown->width;
@@ -538,11 +537,10 @@ STORY(a_large_pane_has_a_rendition_of_as_many_pixels)
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         const struct row *row = &table[i];
         char line[32];
-        struct canvas canvas = {0};
+        OWNED(canvas_release) struct canvas canvas = {0};
         snprintf(line, sizeof line, "size %u %u", row->width, row->height);
         must(&interp, line);
         CHECK(slicing_draw_panel(&canvas, interp.session, &panel, &fault) == OK);
-        canvas_release(&canvas);
         CHECK_INT(session_frame(interp.session)->width, row->shown_width);
         CHECK_INT(session_frame(interp.session)->height, row->shown_height);
     }

@@ -137,7 +137,7 @@ JOURNAL_STORY(a_line_of_the_journal_holds_thousands_of_corners, "long.iftty")
 
 STORY(millimetres_are_refused_where_nobody_knows_them)
 {
-    struct buf file = {0};
+    OWNED(buf_release) struct buf file = {0};
     begin_with_journal(&interp, "unknown.iftty");
     must(&interp, "seed 5,5,5 1 radius=2.50mm");
     is_recorded_as("seed 5,5,5 1 radius=2.5mm");
@@ -152,7 +152,6 @@ STORY(millimetres_are_refused_where_nobody_knows_them)
     memset(file.data + 76 + 4 * 3, 0, 4); /* pixdim[3], */
     memset(file.data + 252, 0, 4);        /* and the codes of both forms, which say it too */
     CHECK(file_write(place("sizeless.nii"), file.data, file.length, FILE_REPLACE, NULL) == OK);
-    buf_release(&file);
     begin_interpreter(&interp);
     open_scene(&interp, "sizeless.nii");
     must(&interp, "seed 5,5,5 1 radius=2"); /* whose brush is let go of once */
@@ -313,7 +312,7 @@ JOURNAL_STORY(a_label_may_be_called_by_several_words, "names.iftty")
     is_refused(&interp, "label 3 'a", "a word in quotes does not end");
     is_refused(&interp, "label 3 'a'b", "a word in quotes does not end");
     must(&interp, "label 3 it's");
-    struct buf offers = {0};
+    OWNED(buf_release) struct buf offers = {0};
     size_t start;
     command_complete(&offers, &start, "seed 1,1,1 le", 13, &interp);
     CHECK_TEXT(buf_text(&offers), "\"left hemi\"\tlabel 1\n");
@@ -321,7 +320,6 @@ JOURNAL_STORY(a_label_may_be_called_by_several_words, "names.iftty")
     command_complete(&offers, &start, "seed 1,1,1 ", 11, &interp);
     CHECK_HAS(buf_text(&offers),
               "\"left hemi\"\tlabel 1\n\"right hemi\"\tlabel 2\n\"it's\"\tlabel 3\n");
-    buf_release(&offers);
     resume("names.iftty");
     CHECK_TEXT(interp.session->now.kept.label_name[1], "left hemi");
 }

@@ -476,13 +476,12 @@ STORY(it_is_stopped_anywhere)
     int stops = 0;
     box_of_ball(9, (const double[]){1, 1, 1});
     for (;; stops++) {
-        struct surface *s;
+        OWNED(surface_drop) struct surface *s = NULL;
         watch_begin(&watch);
         looks = stops;
         enum err err = make_surface(&s, NET, &watch, NULL);
         if (!err)
             err = surface_reduce(s, 100, &watch, NULL);
-        surface_free(s);
         CHECK(err == OK || err == ERR_CANCELLED);
         if (!err)
             break;
@@ -494,13 +493,12 @@ STORY(without_memory_it_says_so)
 {
     box_of_ball(4, (const double[]){1, 1, 1});
     for (size_t n = 0;; n++) {
-        struct surface *s;
+        OWNED(surface_drop) struct surface *s = NULL;
         allow_allocations(n);
         enum err err = make_surface(&s, NET, NULL, &fault);
         if (!err)
             err = surface_reduce(s, 100, NULL, &fault);
         mem_allows = NULL;
-        surface_free(s);
         CHECK(err == OK || err == ERR_MEMORY);
         if (!err)
             break;

@@ -156,11 +156,10 @@ STORY(pictures_survive_sixel_as_far_as_its_colours_go)
     travel(&graphics_sixel, &view, &seen);
     CHECK(seen.colours <= SHADES_MOST && seen.worst <= 2);
     view = ball(256, 256); /* many are reduced, always to the same */
-    char *once = strdup(travel(&graphics_sixel, &view, &seen));
+    OWNED(mem_release) char *once = strdup(travel(&graphics_sixel, &view, &seen));
     CHECK(seen.colours > 200 && seen.colours <= SHADES_MOST && seen.worst <= 12);
     CHECK(mean_error(&view) < 2.0);
     CHECK_TEXT(travel(&graphics_sixel, &view, &seen), once);
-    free(once);
     for (uint32_t height = 1; height < 14; height++) { /* odd sizes */
         view = noise(300 - 23 * height, height, height);
         travel(&graphics_sixel, &view, &seen);

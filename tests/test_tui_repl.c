@@ -353,7 +353,7 @@ STORY(an_answer_that_comes_after_two_seconds_is_neither_text_nor_harm)
 
 STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
 {
-    struct buf paste = {0};
+    OWNED(buf_release) struct buf paste = {0};
     start_at_prompt(&xterm);
     buf_add_text(&paste, "\033[200~echo ");
     for (int i = 0; i < 3000; i++)
@@ -368,7 +368,6 @@ STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
     CHECK(t.job.seen.length - before < 2400); /* a screenful, once */
     SEE_AFTER("\003\033[200~echo one\r\necho two\necho thr\033[201~ee\r", "[one]", "[two]",
               "[three]");
-    buf_release(&paste);
     quit();
 }
 

@@ -65,7 +65,7 @@ static void read_many(const struct buf *bytes)
 
 static void time_many(struct figures *f)
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     struct times encode = {.count = 0}, read = {.count = 0};
     for (int i = 0; i < ROUNDS; i++) {
         const uint64_t begin = clock_ns();
@@ -75,7 +75,6 @@ static void time_many(struct figures *f)
         times_add(&read, between);
     }
     f->many_bytes = bytes.length;
-    buf_release(&bytes);
     f->encode_ms = times_median(encode.ms, ROUNDS);
     f->read_ms = times_median(read.ms, ROUNDS);
 }
@@ -157,7 +156,7 @@ static double time_recording(const char *where, const struct buf *bytes)
 {
     OWNED(buf_release) struct buf path = {0};
     OWNED(journal_drop) struct journal *journal = NULL;
-    struct walk walk;
+    OWNED(walk_release) struct walk walk = {0};
     struct record record;
     buf_printf(&path, "%s/again.iftty", bench_folder(where));
     must(journal_create(&journal, buf_text(&path), SEMANTICS, &bench_fault));
@@ -165,7 +164,6 @@ static double time_recording(const char *where, const struct buf *bytes)
     must(walk_begin(&walk, bytes->data, bytes->length, &bench_fault));
     while (walk_next(&walk, &record) == WALK_RECORD)
         must(journal_append(journal, record.command, record.result, &bench_fault));
-    walk_release(&walk);
     const double ms = times_since(begin);
     return ms;
 }

@@ -270,14 +270,13 @@ static void time_steps(const struct figures *f, char *journal, const char *home,
 static void time_keys(const struct figures *f, const struct graphics *graphics,
                       const struct far_line *line, unsigned keys, struct key_figures out[KINDS])
 {
-    struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0};
     struct far_end *e = NULL;
     const char *folder = bench_folder(NULL);
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%s/%s", folder, file_name(buf_text(&f->journal)));
     must(file_read(&bytes, buf_text(&f->journal), JOURNAL_MOST, &bench_fault));
     must(file_write(path, bytes.data, bytes.length, FILE_KEEP, &bench_fault));
-    buf_release(&bytes);
     char *const argument[] = {"iftty", path, NULL};
     must(far_end_new(&e, f->program, argument, folder, graphics, line, &bench_fault));
     press_all(e, keys, out);

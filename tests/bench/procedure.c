@@ -128,19 +128,17 @@ enum err procedure_make(struct procedure *procedure, const struct session *base,
         if (err)
             return err;
     }
-    struct volume work = {.geometry = base->geometry};
+    OWNED(volume_release) struct volume work = {.geometry = base->geometry};
     memcpy(work.size, grid->size, sizeof work.size);
     work.geometry.slope = 1, work.geometry.intercept = 0;
     work.intensity = must_have(grid->voxels * sizeof *work.intensity);
-    uint16_t *region = must_have(grid->voxels * sizeof *region);
+    OWNED(mem_release) uint16_t *region = must_have(grid->voxels * sizeof *region);
     enum err err = OK;
     fill_regions(region, base->scene, atlas);
     unsigned kinds;
     kinds_of(procedure, &kinds);
     for (unsigned k = 0; !err && k < kinds; k++)
         err = draw_kind(procedure, k, base, region, &work, fault);
-    free(region);
-    volume_release(&work);
     if (err) {
         procedure_release(procedure);
         return err;

@@ -138,7 +138,7 @@ static void others(const struct placed_scene *procedure)
 
 enum err run_register(const struct options *options, struct fault *fault)
 {
-    struct volume ch2;
+    OWNED(volume_release) struct volume ch2 = {0};
     struct subject procedure;
     OWNED(buf_release) struct buf helper = {0};
     (void)options, (void)fault;
@@ -153,7 +153,6 @@ enum err run_register(const struct options *options, struct fault *fault)
     made(&ch2, &placed);
     others(&placed);
     scene_free(procedure.scene);
-    volume_release(&ch2);
     register_helper_program = NULL;
     return OK;
 }

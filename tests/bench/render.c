@@ -433,9 +433,9 @@ static void write_table(struct json *json, struct table *t, const struct session
 
 void bench_segment(struct interpreter *interp, const char *journal)
 {
-    struct buf path = {0};
-    struct reply reply = {0};
-    char *line = NULL;
+    OWNED(buf_release) struct buf path = {0};
+    OWNED(reply_release) struct reply reply = {0};
+    OWNED(mem_release) char *line = NULL;
     size_t room = 0;
     FILE *in = bench_find_in_tree(&path, journal) ? fopen(buf_text(&path), "r") : NULL;
     must(in ? OK
@@ -448,10 +448,7 @@ void bench_segment(struct interpreter *interp, const char *journal)
         if (*line != '=')
             must(interpreter_execute(interp, line, &reply, &bench_fault));
     }
-    free(line);
     fclose(in);
-    reply_release(&reply);
-    buf_release(&path);
     must(session_run(interp->session, &bench_fault));
 }
 

@@ -136,10 +136,9 @@ bool bench_find_in_tree(struct buf *path, const char *name)
 
 enum err bench_find_example(struct buf *path, const struct interpreter *interp, struct fault *fault)
 {
-    struct buf scene = {0};
+    OWNED(buf_release) struct buf scene = {0};
     const bool has_brain = interpreter_find_scene(interp, "ch2.nii.gz", false, &scene, NULL) == OK;
     const char *name = has_brain ? "examples/brain.iftty" : "examples/geom.iftty";
-    buf_release(&scene);
     if (bench_find_in_tree(path, name))
         return OK;
     return fault_set(fault, ERR_IO, "%s does not lie beside the program", name);

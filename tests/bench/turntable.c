@@ -15,7 +15,7 @@
 /* The commands of a journal, and what comes after them. */
 static bool write_script(const char *path, const char *journal, const char *more)
 {
-    char *line = NULL;
+    OWNED(mem_release) char *line = NULL;
     size_t room = 0;
     FILE *in = fopen(journal, "r"), *out = fopen(path, "w");
     while (in && out && getline(&line, &room, in) >= 0)
@@ -24,7 +24,6 @@ static bool write_script(const char *path, const char *journal, const char *more
             fputs(line, out);
     if (out)
         fputs(more, out);
-    free(line);
     if (in)
         fclose(in);
     return in && out && fclose(out) == 0;

@@ -20,13 +20,12 @@ enum { WIDTH = 90, HEIGHT = 70 };
 static void stage_set(struct stage *s)
 {
     static const struct weight_choice morph = {WEIGHT_MORPH, 1};
-    struct weight_work work = {0};
+    OWNED(weight_work_release) struct weight_work work = {0};
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
     must(stage_take(s, works_scene(), 6, &fault), &fault, "a forest and a border");
     must(weight_work_reserve(&work, &s->scene->grid, &morph, &fault), &fault, "room for weights");
     weight_compute(s->scene, forest_adjacency(s->forest), &morph, &work);
-    weight_work_release(&work);
     works_edits(edit, s->scene, 3);
     must(forest_edit(s->forest, edit, WORKS_SEEDS, &fault), &fault, "the seeds");
     s->border.visible[1] = false;
@@ -215,7 +214,7 @@ static void put_mip_behind(struct stage *s, struct rendition *picture)
     const struct view fine = s->view;
     const size_t pixels = (size_t)picture->width * picture->height;
     uint8_t objects[WIDTH * HEIGHT][4];
-    struct mip mip = {0};
+    OWNED(mip_release) struct mip mip = {0};
     struct fault fault;
     s->view.width = picture->width;
     s->view.height = picture->height;
@@ -225,7 +224,6 @@ static void put_mip_behind(struct stage *s, struct rendition *picture)
     memcpy(objects, picture->rgba, 4 * pixels);
     mip_put_behind(picture->rgba, objects[0], mip.brightness, pixels);
     tell(rendition_digest(picture), "context/%u", picture->width);
-    mip_release(&mip);
     s->view = fine;
 }
 

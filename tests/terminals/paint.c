@@ -203,7 +203,7 @@ static bool run(const char *folder, char **word, struct fault *fault)
     OWNED(painter_release) struct painter painter = {0};
     struct terminal_facts facts;
     struct sent sent = {0};
-    struct buf typed = {0};
+    OWNED(buf_release) struct buf typed = {0};
     char path[512];
     struct graphics_wish wish = graphics_auto;
     const bool has_slices = word[6] && strcmp(word[6], "slices") == 0;
@@ -211,7 +211,6 @@ static bool run(const char *folder, char **word, struct fault *fault)
         return false;
     if (term_set_mode(TERM_RAW, fault) || graphics_probe(wish, &facts, &typed, fault))
         return false;
-    buf_release(&typed);
     const struct place place = read_place(word + 2);
     painter_place(&painter, &facts, place.column, place.row, place.columns, place.rows);
     painter_size(&painter, &p.width, &p.height);
