@@ -32,6 +32,15 @@ static inline bool check_report(bool fine, const char *file, int line, const cha
 }
 
 #define CHECK(condition) check_report((condition), __FILE__, __LINE__, #condition)
+/* The same, and say more if it fails: CHECK_WITH(err == OK, "%s", fault.text). */
+#define CHECK_WITH(condition, ...)                                                                 \
+    do {                                                                                           \
+        if (!check_report((condition), __FILE__, __LINE__, #condition)) {                          \
+            printf("#   ");                                                                        \
+            printf(__VA_ARGS__);                                                                   \
+            putchar('\n');                                                                         \
+        }                                                                                          \
+    } while (0)
 #define CHECK_INT(actual, expected)                                                                \
     do {                                                                                           \
         int64_t check_a = (int64_t)(actual), check_e = (int64_t)(expected);                        \
@@ -87,8 +96,8 @@ static void (*check_before)(void), (*check_after)(void);
 #define EACH_STORY(begin, end)                                                                     \
     __attribute__((constructor)) static void check_each(void)                                      \
     {                                                                                              \
-        check_before = begin;                                                                       \
-        check_after = end;                                                                           \
+        check_before = begin;                                                                      \
+        check_after = end;                                                                         \
     }
 
 /* Run all stories in the order of the file; return the status of the program. */

@@ -47,8 +47,7 @@ static inline void must(struct interpreter *interp, const char *lines)
 {
     OWNED(buf_release) struct buf line = {0};
     while (next_line(&line, &lines))
-        if (!CHECK(execute(interp, buf_text(&line)) == OK))
-            printf("#   %s: %s\n", buf_text(&line), fault.text);
+        CHECK_WITH(execute(interp, buf_text(&line)) == OK, "%s: %s", buf_text(&line), fault.text);
 }
 
 /* Execute lines and check that the answer to the last one is the text, or contains it. */

@@ -371,8 +371,7 @@ static inline void is_refused(struct interpreter *interp, const char *line, cons
     struct snapshot before;
     take_snapshot(&before, interp);
     enum err err = execute(interp, line);
-    if (!CHECK(err != OK))
-        printf("#   %s\n", line);
+    CHECK_WITH(err != OK, "%s", line);
     CHECK_HAS(fault.text, words);
     CHECK(fault.code == err);
     CHECK(err_exit_status(err) == 2 || err_exit_status(err) == 3);

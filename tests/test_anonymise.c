@@ -85,8 +85,7 @@ STORY(words_that_stay_are_those_of_this_test)
         const struct command *command = command_at(n);
         for (int i = 0; command->parameter[i].type; i++) {
             const struct parameter *p = &command->parameter[i];
-            if (!CHECK(p->is_kept == stays(command, p)))
-                printf("#   %s %s\n", command->name, p->name);
+            CHECK_WITH(p->is_kept == stays(command, p), "%s %s", command->name, p->name);
             if (!p->is_kept)
                 continue;
             write_line(&line, command, i, "1.5,2/3");

@@ -105,8 +105,7 @@ BEGUN_STORY(each_word_is_a_background_and_info_prints_it, begin_with_object)
 static struct picture read_back(struct interpreter *interp, const char *name)
 {
     struct picture p = {0};
-    if (!CHECK(image_helper_read(interp->helper, name, &p, &fault) == OK))
-        printf("#   %s\n", fault.text);
+    CHECK_WITH(image_helper_read(interp->helper, name, &p, &fault) == OK, "%s", fault.text);
     return p;
 }
 

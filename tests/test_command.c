@@ -154,8 +154,7 @@ STORY(help_names_every_command_and_parameter)
 static void fits_80_columns(const char *text)
 {
     for (; *text; text += strcspn(text, "\n") + 1)
-        if (!CHECK(strcspn(text, "\n") <= 80))
-            printf("#   %.100s\n", text);
+        CHECK_WITH(strcspn(text, "\n") <= 80, "%.100s", text);
 }
 
 STORY(help_fits_80_columns)
@@ -1059,8 +1058,7 @@ static void replay_tells(const char *words)
     begin_interpreter(&interp);
     fault = (struct fault){.text = ""};
     const enum err err = replay_aloud(&interp, journal_file, &printer, &fault);
-    if (!CHECK((err == OK) == !words))
-        printf("#   %s\n", fault.text);
+    CHECK_WITH((err == OK) == !words, "%s", fault.text);
     buf_add_text(&told, fault.text);
     CHECK_HAS(buf_text(&told), words ? words : "");
 }
@@ -1264,8 +1262,7 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         struct deed deed;
         for (const char *at = deeds; next_deed(&deed, &at);)
             is_there |= strncmp(deed.line, name, strlen(name)) == 0;
-        if (!CHECK(is_there))
-            printf("#   %s\n", name);
+        CHECK_WITH(is_there, "%s", name);
     }
     begin_interpreter(&interp); /* resuming gives the same session */
     if (!CHECK(interpreter_resume_journal(&interp, journal_file, &told, &fault) == OK))

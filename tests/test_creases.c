@@ -98,8 +98,7 @@ STORY(an_object_among_others_has_the_normals_that_it_has_alone)
         show_alone(&s, 0);
         draw(&s, &alone);
         CHECK(rendition_digest(&all) == rendition_digest(&alone));
-        if (!CHECK(agree))
-            printf("# number %u: mode %d\n", number, (int)s.look.mode);
+        CHECK_WITH(agree, "number %u: mode %d", number, (int)s.look.mode);
         rendition_release(&alone);
         rendition_release(&all);
     }

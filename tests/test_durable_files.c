@@ -277,8 +277,7 @@ STORY(a_folder_that_becomes_a_link_at_any_step_leads_nothing_out)
             file_step_hook = NULL;
             may_fail = false;
             interpreter_release(&interp);
-            if (!CHECK(is_whole("precious")))
-                printf("#   work %zu, step %u: %s\n", i, step, fault.text);
+            CHECK_WITH(is_whole("precious"), "work %zu, step %u: %s", i, step, fault.text);
             if (has_failed)
                 folder_remove("away");
             swaps += has_failed;

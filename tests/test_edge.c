@@ -169,9 +169,8 @@ static void has_one_line(struct stage *s, uint32_t samples)
 {
     OWNED(rendition_release) struct rendition out = draw(s, samples, true);
     const int dark = count(s, EDGE_DARK, 20), rows = 40 * (int)samples;
-    if (!CHECK(dark >= rows * (int)samples * 9 / 10 && dark <= rows * (int)samples * 11 / 10))
-        printf("# yaw %d, %u samples: %d pixels in %d rows\n", s->view.angle[0], samples, dark,
-               rows);
+    CHECK_WITH(dark >= rows * (int)samples * 9 / 10 && dark <= rows * (int)samples * 11 / 10,
+               "yaw %d, %u samples: %d pixels in %d rows", s->view.angle[0], samples, dark, rows);
 }
 
 STORY(what_hides_a_part_of_itself_has_a_line_and_so_has_a_fold)

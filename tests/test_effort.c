@@ -184,8 +184,7 @@ STORY(a_plain_object_is_found_at_once_and_runs_agree)
     for (size_t m = 0; m < sizeof method / sizeof *method; m++) {
         struct effort_run run = {0}, again = {0};
         struct fault fault = {0};
-        if (!CHECK(effort_run(&run, &method[m], &object, folder, &fault) == OK))
-            printf("#   %s\n", fault.text);
+        CHECK_WITH(effort_run(&run, &method[m], &object, folder, &fault) == OK, "%s", fault.text);
         CHECK(effort_run(&again, &method[m], &object, folder, NULL) == OK);
         CHECK(memcmp(run.dice, again.dice, sizeof run.dice) == 0 && run.dice[0] > 8000);
         CHECK(run.dice[CURVE - 1] > 9900 || method[m].limits); /* they correct only locally */
@@ -219,8 +218,7 @@ STORY(exact_corrections_repair_defects_and_nothing_else)
     for (size_t m = 0; m < sizeof method / sizeof *method; m++) {
         struct effort_run run = {0};
         struct fault fault = {0};
-        if (!CHECK(effort_run(&run, &method[m], &object, folder, &fault) == OK))
-            printf("#   %s\n", fault.text);
+        CHECK_WITH(effort_run(&run, &method[m], &object, folder, &fault) == OK, "%s", fault.text);
         CHECK(run.beyond == 0 || method[m].corrects != CORRECTS_EXACTLY);
         CHECK(run.repaired > 0 || !method[m].corrects);
         CHECK(run.dice[CURVE - 1] > run.dice[0] || run.dice[0] == DICE_ONE);

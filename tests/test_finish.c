@@ -312,8 +312,7 @@ static bool finish_as_model(const struct volume *v, const struct finish_list *li
 STORY(every_step_of_the_table_has_a_plain_model)
 {
     for (int kind = 0; kind < FINISH_KIND_COUNT; kind++)
-        if (!CHECK(model_of[kind] || kind == FINISH_RELAX))
-            printf("#   %s has none\n", finish_table[kind].name);
+        CHECK_WITH(model_of[kind] || kind == FINISH_RELAX, "%s has none", finish_table[kind].name);
 }
 
 STORY(each_step_is_what_a_plain_model_makes)
@@ -345,8 +344,7 @@ STORY(steps_follow_each_other_in_their_order)
         fill(&v, SIDE - 1);
         for (int steps = below(5); steps > 0; steps--)
             list.step[list.count++] = random_step(&v);
-        if (!CHECK(finish_as_model(&v, &list, team_of[round % 4])))
-            printf("# round %d\n", round);
+        CHECK_WITH(finish_as_model(&v, &list, team_of[round % 4]), "round %d", round);
     }
 }
 

@@ -105,8 +105,7 @@ SCENE_STORY(an_edit_after_undo_costs_what_it_changes)
         must(interp, "undo; seed 5,5,5 3");
     }
     const size_t more = (history_memory(&interp->history) - before) / TIMES;
-    if (!CHECK(more < EACH))
-        printf("#   %zu bytes each\n", more);
+    CHECK_WITH(more < EACH, "%zu bytes each", more);
 }
 
 SCENE_STORY(looking_back_moves_no_branch)
@@ -364,8 +363,7 @@ static unsigned stop_everywhere(struct interpreter *interp, const char *line, bo
         interp->session->watch = NULL;
         if (err == OK)
             break;
-        if (!CHECK(err == ERR_CANCELLED))
-            printf("#   %s, after %u looks: %s\n", line, looks, fault.text);
+        CHECK_WITH(err == ERR_CANCELLED, "%s, after %u looks: %s", line, looks, fault.text);
         if (check_failures > 20)
             return stopped;
         is_as_before(&before, interp, line);
@@ -654,10 +652,8 @@ BEGUN_STORY(only_what_changes_how_one_looks_waits_to_be_synced, begin_interprete
     must(interp, "open scene.nii; seed 5,5,5 2; seed 1,1,1 1; run");
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         const char *look = looks[i % (sizeof looks / sizeof *looks)];
-        if (!CHECK(syncs_of(interp, look) == 0))
-            printf("#   %s\n", look);
-        if (!CHECK(syncs_of(interp, others[i]) >= 1))
-            printf("#   %s\n", others[i]);
+        CHECK_WITH(syncs_of(interp, look) == 0, "%s", look);
+        CHECK_WITH(syncs_of(interp, others[i]) >= 1, "%s", others[i]);
     }
     CHECK_INT(syncs_of(interp, "turn 4"), 0);
     CHECK(syncs_of(interp, "save labels labels.nii empty=yes") >= 1);

@@ -239,8 +239,7 @@ static bool goes_on(struct interpreter *interp)
     const bool edited = session->has_edited || session->has_regrown;
     are_counted(session, edited ? was : NULL);
     CHECK(border_check(&session->pictures->live.border, NULL));
-    if (!CHECK(!is_rough || are_rough(session, forest, shown)))
-        printf("#   %s\n", line);
+    CHECK_WITH(!is_rough || are_rough(session, forest, shown), "%s", line);
     if (below(3)) {
         refine(interp);
         is_exact(interp);

@@ -54,8 +54,7 @@ static void planted_as(const struct standing *state, const char *when)
         const struct cell *cell = interp.session->scene->cell + c;
         same &= label[c] == (cell->flags & CELL_SEED ? cell->label : EDIT_ERASE);
     }
-    if (!CHECK(same))
-        printf("#   after %s\n", when);
+    CHECK_WITH(same, "after %s", when);
 }
 
 static void put_up(int16_t label, struct standing *state)
@@ -244,8 +243,7 @@ static void do_one(char line[LINE])
         put_count = before;
         return; /* nothing to undo or to do again */
     }
-    if (!CHECK(err == OK))
-        printf("#   %s: %s\n", line, fault.text);
+    CHECK_WITH(err == OK, "%s: %s", line, fault.text);
     if (record_word_find(buf_text(&reply.words), "at", 2, &word))
         now = state_after[strtoul(word.value, NULL, 10)];
     else
@@ -479,8 +477,7 @@ static void changes_its_voxels(const char *line, const uint8_t before[CELLS])
         }
     for (size_t c = 0; c < CELLS; c++)
         fits &= session->scene->cell[c].label == expected[c];
-    if (!CHECK(fits))
-        printf("#   after %s\n", line);
+    CHECK_WITH(fits, "after %s", line);
 }
 
 STORY(exact_gestures_change_only_voxels_that_they_name)

@@ -51,8 +51,7 @@ static void do_both(const char *line, unsigned one, unsigned other)
     snprintf(text[0], sizeof text[0], line, one, other);
     snprintf(text[1], sizeof text[1], line, number[one], number[other]);
     const enum err err = execute(&small, text[0]);
-    if (!CHECK(execute(&large, text[1]) == err))
-        printf("#   %s, %s: %s\n", text[0], text[1], fault.text);
+    CHECK_WITH(execute(&large, text[1]) == err, "%s, %s: %s", text[0], text[1], fault.text);
 }
 
 static void do_random(void)

@@ -391,8 +391,7 @@ STORY(every_protocol_of_the_table_is_decoded)
         bool is_decoded = graphics == &graphics_none || graphics == &graphics_blocks;
         for (unsigned g = 0; g < WITH_PIXELS; g++)
             is_decoded |= graphics == with_pixels[g];
-        if (!CHECK(is_decoded))
-            printf("#   %s has no decoder here\n", graphics->name);
+        CHECK_WITH(is_decoded, "%s has no decoder here", graphics->name);
     }
 }
 
@@ -486,8 +485,7 @@ STORY(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count)
         view.is_coarse = is_coarse;
         bytes[is_coarse] = show_right(&view);
     }
-    if (!CHECK(bytes[1] < bytes[0] * 3 / 4))
-        printf("#   %zu bytes coarse, %zu otherwise\n", bytes[1], bytes[0]);
+    CHECK_WITH(bytes[1] < bytes[0] * 3 / 4, "%zu bytes coarse, %zu otherwise", bytes[1], bytes[0]);
 }
 
 STORY(a_large_patch_for_kitty_goes_in_chunks)

@@ -296,8 +296,7 @@ static void set_stage(const char *words)
             click_on(&event, n[0], n[1]);
             is_known = true;
         }
-    if (!CHECK(is_known))
-        printf("#   %s\n", words);
+    CHECK_WITH(is_known, "%s", words);
 }
 
 /* Press keys: characters; in angle brackets other keys as the configuration names them, or words of

@@ -34,9 +34,8 @@ static void check_kind(const struct buf *now, const char *kind)
             if (strncmp(buf_text(&line), kind, length) != 0 || buf_text(&line)[length] != ' ')
                 continue;
             count++;
-            if (!CHECK(has_line(side[!i], buf_text(&line))))
-                printf("#   %s: %s\n", i ? "promised, and gone" : "new, and no line in the file",
-                       buf_text(&line));
+            CHECK_WITH(has_line(side[!i], buf_text(&line)), "%s: %s",
+                       i ? "promised, and gone" : "new, and no line in the file", buf_text(&line));
         }
     CHECK(count >= 10 && !line.failed);
 }
@@ -111,8 +110,7 @@ BEGUN_STORY(lines_of_journals_are_the_canonical_ones_still, begin_interpreter)
             seen[i] |= command_at(i) == call.command;
     }
     for (unsigned i = 0; i < command_count(); i++)
-        if (!CHECK(seen[i]))
-            printf("#   %s has no canonical line\n", command_at(i)->name);
+        CHECK_WITH(seen[i], "%s has no canonical line", command_at(i)->name);
 }
 
 /* With their forms and options. */

@@ -266,9 +266,8 @@ STORY(relaxed_labels_are_what_a_plain_model_makes)
         OWNED(scene_drop) struct scene *scene = scene_of(v);
         model(v, &list.step[0], expected.made);
         CHECK(finish_make(&label, &list, scene, team_for(round), NULL, NULL) == OK);
-        if (!CHECK(agree(&expected, scene, label)))
-            printf("# round %d: %dx%dx%d, %u sweeps\n", round, v->size[0], v->size[1], v->size[2],
-                   list.step[0].argument);
+        CHECK_WITH(agree(&expected, scene, label), "round %d: %dx%dx%d, %u sweeps", round,
+                   v->size[0], v->size[1], v->size[2], list.step[0].argument);
         for (int i = 0; i < v->count; i++)
             moved += expected.made[i] != v->label[i];
         mem_pages_free(label, scene->grid.cells);

@@ -60,8 +60,7 @@ STORY(a_list_gives_its_seeds_in_the_order_of_voxels)
     };
     const struct grid grid = grid_of(10, 9, 8);
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        if (!CHECK(list(row[i][0], LABEL_OWN) == OK))
-            printf("#   %zu: %s\n", i, fault.text);
+        CHECK_WITH(list(row[i][0], LABEL_OWN) == OK, "%zu: %s", i, fault.text);
         CHECK_TEXT(told(&grid), row[i][1]);
     }
     CHECK(list("1,1,1,2\n1,1,1,3\n0,0,0,brain\n", 7) == OK);
@@ -96,8 +95,7 @@ STORY(a_bad_line_is_named_and_nothing_is_taken)
         {"# nothing\nx,y,z,label\n", "there is no seed in it"},
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        if (!CHECK(list(row[i][0], LABEL_OWN) == ERR_INPUT))
-            printf("#   %s\n", row[i][0]);
+        CHECK_WITH(list(row[i][0], LABEL_OWN) == ERR_INPUT, "%s", row[i][0]);
         CHECK_HAS(fault.text, row[i][1]);
         CHECK(seeds.count == 0 && !seeds.edit);
         seeds_release(&seeds);
@@ -138,8 +136,7 @@ STORY(a_seed_of_a_list_may_end_within_a_distance)
         "1,1,1,2,4cm,1,2,3\n", "1,1,1,2,4,1,-2,3\n",  "1,1,1,2,1001mm,1,2,3\n",
         "1,1,1,2,4,1,2,3x\n"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
-        if (!CHECK(list(wrong[i], LABEL_OWN) == ERR_INPUT))
-            printf("#   %s\n", wrong[i]);
+        CHECK_WITH(list(wrong[i], LABEL_OWN) == ERR_INPUT, "%s", wrong[i]);
     CHECK(list("1,1,1,2,4,1,2,3\n1,1,1,2\n", LABEL_OWN) == ERR_INPUT);
     CHECK_HAS(fault.text, "the voxel of line 1 again, within another distance");
     CHECK(!seeds.group && !seeds.edit);

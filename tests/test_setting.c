@@ -12,8 +12,7 @@ STORY(each_member_that_is_kept_is_a_setting_or_has_a_row)
     for (size_t i = 0; i < sizeof plain; i++) {
         memcpy(&other, &plain, sizeof other);
         ((char *)&other)[i] = 1;
-        if (!CHECK(!kept_equals(&plain, &other)))
-            printf("#   byte %zu of a state makes no difference\n", i);
+        CHECK_WITH(!kept_equals(&plain, &other), "byte %zu of a state makes no difference", i);
     }
 }
 
@@ -44,8 +43,7 @@ STORY(each_member_of_an_outlook_is_a_setting_or_is_listed_here)
         for (size_t i = 0; i < other_members[m].bytes; i++)
             members[other_members[m].at + i]++;
     for (size_t i = 0; i < BYTES; i++)
-        if (!CHECK(members[i] == 1))
-            printf("#   byte %zu of an outlook belongs to %u members\n", i, members[i]);
+        CHECK_WITH(members[i] == 1, "byte %zu of an outlook belongs to %u members", i, members[i]);
 }
 
 static uint64_t seed = 1;
@@ -127,8 +125,7 @@ STORY(every_setting_is_undone_done_again_and_replayed)
             must(&interp, "redo");
             CHECK(kept_equals(&after.kept, &interp.session->now.kept));
         }
-        if (!CHECK(has_changed))
-            printf("#   %s sets nothing that a state is compared by\n", setting->name);
+        CHECK_WITH(has_changed, "%s sets nothing that a state is compared by", setting->name);
     }
     const struct state now = interp.session->now;
     begin_interpreter(&again);

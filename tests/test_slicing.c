@@ -287,8 +287,7 @@ static void must_show(const char *lines, const int (*voxel)[3], size_t count)
     for (size_t i = 0; i < count; i++) {
         const int *v = voxel[i];
         const int grey = *canvas_pixel(&interp.shown, 9 - (uint32_t)v[0], 9 - (uint32_t)v[1]);
-        if (!CHECK(grey == v[2]))
-            printf("#   %d, not %d, at %d,%d after %s\n", grey, v[2], v[0], v[1], lines);
+        CHECK_WITH(grey == v[2], "%d, not %d, at %d,%d after %s", grey, v[2], v[0], v[1], lines);
     }
 }
 #define GREYS(lines, ...)                                                                          \

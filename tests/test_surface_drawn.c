@@ -116,8 +116,7 @@ STORY(the_silhouette_of_a_ball_is_as_large_as_the_ball)
         for (uint32_t zoom = 1000; zoom <= 4000; zoom *= 2) {
             draw(&s, zoom, side[i]);
             const double shown = radius_seen(&s, zoom);
-            if (!CHECK(fabs(shown - 40) < 0.1))
-                printf("# view %d zoom %u: radius %.3f\n", i, zoom, shown);
+            CHECK_WITH(fabs(shown - 40) < 0.1, "view %d zoom %u: radius %.3f", i, zoom, shown);
         }
     s.look.mode = SHADE_CUBES;
     draw(&s, 4000, side[3]);
@@ -214,8 +213,7 @@ STORY(a_silhouette_is_curved)
                 if (is_edge && d > most)
                     most = d;
             }
-        if (!CHECK(most - least < 0.75))
-            printf("# view %d: radii from %.2f to %.2f\n", i, least, most);
+        CHECK_WITH(most - least < 0.75, "view %d: radii from %.2f to %.2f", i, least, most);
     }
 }
 
@@ -310,8 +308,7 @@ STORY(a_sheet_of_one_voxel_has_no_hole_from_any_side)
                 looked_at += is_inside;
                 holes += is_inside && r->cell[p] == CELL_NONE;
             }
-            if (!CHECK(holes == 0))
-                printf("# sheet %d: %zu holes\n", i, holes);
+            CHECK_WITH(holes == 0, "sheet %d: %zu holes", i, holes);
         }
     }
     CHECK(looked_at > 20000);
@@ -352,8 +349,7 @@ STORY(a_single_voxel_does_not_vanish)
         small += i < 8 ? count : 0;
         all += i < 8 ? 11 * 11 : 0;
     }
-    if (!CHECK(small * 100 >= all * 90))
-        printf("# %zu of %zu voxels are seen at zoom 1\n", small, all);
+    CHECK_WITH(small * 100 >= all * 90, "%zu of %zu voxels are seen at zoom 1", small, all);
 }
 
 /* ---- where they lie ---- */
@@ -483,8 +479,7 @@ STORY(a_face_that_is_cut_open_is_flat_and_ends_where_the_surface_does)
         CHECK_INT(r->rgba[4 * i], (3 * 77 + s.palette.rgb[1][0] + 2) / 4);
     }
     const double shown = sqrt((double)open / M_PI) / 4;
-    if (!CHECK(fabs(shown - sqrt(1600 - 12 * 12)) < 0.15))
-        printf("# radius %.3f\n", shown);
+    CHECK_WITH(fabs(shown - sqrt(1600 - 12 * 12)) < 0.15, "radius %.3f", shown);
 }
 
 /* Return the first row of a column that shows something. */

@@ -378,9 +378,8 @@ STORY(ctrl_c_cuts_no_frame_in_two)
     const char *text = buf_text(&s.job.seen), *first = strchr(text, 'p'), *last = strchr(text, '.');
     while (first && first[1] != 'p')
         first = strchr(first + 1, 'p');
-    if (!CHECK(first && last && last - first == FRAME - 1))
-        printf("#   %zu bytes, from %td to %td\n", s.job.seen.length, first ? first - text : -1,
-               last ? last - text : -1);
+    CHECK_WITH(first && last && last - first == FRAME - 1, "%zu bytes, from %td to %td",
+               s.job.seen.length, first ? first - text : -1, last ? last - text : -1);
     end();
 }
 

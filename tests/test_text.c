@@ -138,8 +138,7 @@ STORY(no_two_letters_are_the_same)
     }
     for (uint32_t a = 0; a < 95; a++) {
         for (uint32_t b = 0; b < a; b++)
-            if (!CHECK(!is_same(&canvas[a], &canvas[b])))
-                printf("#   %c and %c\n", ' ' + a, ' ' + b);
+            CHECK_WITH(!is_same(&canvas[a], &canvas[b]), "%c and %c", ' ' + a, ' ' + b);
     }
     for (uint32_t i = 0; i < 95; i++)
         canvas_release(&canvas[i]);

@@ -71,8 +71,7 @@ STORY(files_of_itk_map_places_as_itk_does)
         const double from[3] = {-p[0], -p[1], p[2]}, to[3] = {-q[0], -q[1], q[2]};
         double found[3];
         snprintf(path, sizeof path, "tests/transforms/%s", name);
-        if (!CHECK(read_file(&there, path, &fault) == OK))
-            printf("#   %s\n", fault.text);
+        CHECK_WITH(read_file(&there, path, &fault) == OK, "%s", fault.text);
         CHECK_HAS(buf_text(&words), "taken as found with the subject's scene as the fixed one");
         affine_apply(&there, from, found);
         for (int i = 0; i < 3; i++)

@@ -69,8 +69,7 @@ STORY(every_format_that_is_read_has_a_fuzz_target_and_bytes_for_it)
         const struct proven *p = proven_of(rows[i].name);
         if (!CHECK(p) || !CHECK(!rows[i].format->read_header == !p->target) || !p->target)
             continue;
-        if (!CHECK(files_of(p, rows[i].format) > 0))
-            printf("#   no file for %s\n", rows[i].name);
+        CHECK_WITH(files_of(p, rows[i].format) > 0, "no file for %s", rows[i].name);
     }
 }
 

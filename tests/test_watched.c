@@ -29,8 +29,7 @@ static const char *journal_of(const char *name, const char *lines)
 static void begin_watching(const char *path)
 {
     begin_interpreter(&interp);
-    if (!CHECK(watched_begin(&watched, &interp, path, &fault) == OK))
-        printf("#   %s: %s\n", path, fault.text);
+    CHECK_WITH(watched_begin(&watched, &interp, path, &fault) == OK, "%s: %s", path, fault.text);
 }
 
 static void end_watching(void)
@@ -41,8 +40,7 @@ static void end_watching(void)
 
 static void show(enum err (*how)(struct watched *, size_t, struct fault *), size_t step)
 {
-    if (!CHECK(how(&watched, step, &fault) == OK))
-        printf("#   step %zu: %s\n", step, fault.text);
+    CHECK_WITH(how(&watched, step, &fault) == OK, "step %zu: %s", step, fault.text);
 }
 
 static const char *said(void (*say)(struct buf *, const struct watched *))
@@ -248,8 +246,7 @@ static void walk_both_ways(const char *path)
     CHECK(are_same(digests_now(), end)); /* as after the replay */
     for (size_t step = count; step > 0; step -= step < by ? step : by) {
         show(watched_carry_out, step);
-        if (!CHECK(are_same(digests_now(), after[step - 1])))
-            printf("#   %s: step %zu\n", path, step);
+        CHECK_WITH(are_same(digests_now(), after[step - 1]), "%s: step %zu", path, step);
     }
     show(watched_draw, 0);
     CHECK(are_same(digests_now(), first));
