@@ -83,7 +83,7 @@ STORY(slices_are_sent_ahead_unless_it_says_otherwise)
     CHECK_TEXT(buf_text(&config.words), "c:1: expected on or off, not never; left out\n");
 }
 
-STORY(a_brush_is_passed_to_the_pilot)
+STORY(a_brush_is_passed_to_the_pilot_and_exact_or_not_from_the_start)
 {
     const struct pilot_brush *brush = &config.setup.brush;
     take("brush 3 2.5mm range=-40.5..80");
@@ -95,11 +95,6 @@ STORY(a_brush_is_passed_to_the_pilot)
     CHECK(brush->label == 4 && !brush->in_mm && brush->radius == 6 && brush->has_range);
     take("brush 4 32mm");
     CHECK(brush->in_mm && brush->radius == 64 && !brush->has_range);
-}
-
-STORY(a_brush_is_exact_or_grows_from_the_start)
-{
-    const struct pilot_brush *brush = &config.setup.brush;
     take("brush 3 2\nbrush exact\nbrush 4");
     CHECK_TEXT(buf_text(&config.words), "");
     CHECK(brush->growth == BRUSH_EXACT && brush->label == 4 && brush->radius == 6);

@@ -152,17 +152,13 @@ static const char *volume_fault(const char *name)
     return fault.text;
 }
 
-STORY(a_decoder_that_hangs_is_killed_with_its_helper)
+STORY(a_decoder_that_hangs_or_makes_no_progress_is_killed_and_others_may_work_on)
 {
     image_helper_patience_ms = volume_helper_patience_ms = 3000;
     CHECK_HAS(image_fault("spin.png"), "did not answer for 3 s and was ended");
     CHECK_HAS(volume_fault("spin.nrrd"), "did not answer for 3 s and was ended");
     image_helper_patience_ms = volume_helper_patience_ms = 60000;
     CHECK_INT(child_of(getpid()), 0);
-}
-
-STORY(a_decoder_without_progress_is_killed_and_others_may_work_on)
-{
     volume_helper_patience_ms = 600000;
     CHECK_HAS(volume_fault("spin.nrrd"), "worked for 5 s without progress and was ended");
     volume_helper_patience_ms = 1500; /* it needs 3.6 s */

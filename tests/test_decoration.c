@@ -267,15 +267,11 @@ STORY(seeds_of_a_files_pieces_have_no_marks_and_those_that_are_placed_do)
     }
 }
 
-BEGUN_STORY(mosaics_are_not_decorated, begin_with_object)
+BEGUN_STORY(mosaics_are_not_decorated_and_what_is_no_part_is_refused, begin_with_object)
 {
     const uint64_t plain = digest_of(interp, "mosaic");
     must(interp, "decorate all; render");
     CHECK(digest_of(interp, "mosaic") == plain);
-}
-
-BEGUN_STORY(what_is_no_part_is_refused, begin_with_object)
-{
     must(interp, "decorate scale");
     CHECK(execute(interp, "decorate none letters") == ERR_USAGE);
     CHECK(execute(interp, "decorate") == ERR_USAGE);

@@ -34,16 +34,12 @@ static void check_same(const char *a, const char *b, size_t same)
     CHECK_INT(first.same, same);
 }
 
-STORY(the_same_commands_do_not_part)
+STORY(the_same_commands_do_not_part_whatever_results_and_comments)
 {
     check_same("", "", 0);
     check_same("open s.nii\nrun\n", "open s.nii\nrun", 2);
     check_same("# by one\n\nopen s.nii\n", "  open   \"s.nii\"\n# the end\n", 1);
     check_same("open s.nii\ninfo\nrun\nstats\n", "open s.nii\nrun\n", 2); /* questions */
-}
-
-STORY(results_and_comments_are_no_commands)
-{
     const char seal[] = " chain=00000000000000000000000000000000\n";
     OWNED(buf_release) struct buf a = {0}, b = {0};
     buf_printf(&a, "# iftty journal 1 semantics 3\nopen s.nii\n= 1 scene=1%srun\n= 2 forest=1%s",

@@ -164,13 +164,9 @@ STORY(what_nothing_covers_has_no_colour)
     CHECK(memcmp(q.rgba, (uint8_t[8]){0, 0, 0, 0, 9, 200, 255, 1}, 8) == 0);
 }
 
-STORY(a_picture_of_colours_alone_comes_back)
+STORY(colours_alone_one_pixel_and_odd_sizes_come_back)
 {
     comes_back(17, 40, false);
-}
-
-STORY(one_pixel_and_odd_sizes_come_back)
-{
     for (uint32_t width = 1; width < 6; width++)
         for (uint32_t height = 1; height < 36; height += 5)
             comes_back(width, height, width % 2);
@@ -178,15 +174,11 @@ STORY(one_pixel_and_odd_sizes_come_back)
 
 /* Deflate leaves about one block in a thousand of these exactly as long as it was, which readers
  * take to be stored plain. */
-STORY(a_block_that_deflate_cannot_shorten_comes_back)
+STORY(blocks_that_deflate_cannot_shorten_and_sizes_about_those_of_tiles_come_back)
 {
     for (int round = 0; round < 3000; round++) /* tiles go the same way */
         if (!comes_back_as(2, 1 + check_below(&chance, 16), true, round % 10 == 0))
             break;
-}
-
-STORY(sizes_about_those_of_tiles_come_back)
-{
     static const uint32_t side[] = {63, 64, 65, 128, 200};
     for (size_t i = 0; i < sizeof side / sizeof side[0]; i++)
         for (size_t j = 0; j < sizeof side / sizeof side[0]; j++)
@@ -206,19 +198,13 @@ STORY(the_same_picture_gives_the_same_bytes)
     CHECK(memcmp(first.data, second.data, first.length) == 0);
 }
 
-STORY(an_existing_file_is_kept_unless_told)
+STORY(an_existing_file_and_a_note_under_a_name_of_the_format_are_refused)
 {
     OWNED(picture_release) struct picture p = sample(4, 4, false);
     struct fault fault = {0};
     CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, &fault), OK);
     CHECK_INT(strips_write(&exr_strips, path, FILE_KEEP, &p, &fault), ERR_IO);
     CHECK_HAS(fault.text, "exists already");
-}
-
-STORY(a_note_under_a_name_of_the_format_is_refused)
-{
-    OWNED(picture_release) struct picture p = sample(4, 4, false);
-    struct fault fault = {0};
     picture_note(&p, "dataWindow", "mine", NULL);
     CHECK_INT(strips_write(&exr_strips, path, FILE_REPLACE, &p, &fault), ERR_INPUT);
     CHECK_HAS(fault.text, "\"dataWindow\" cannot name a note");

@@ -268,7 +268,7 @@ static const char *failure(const char *script, bool writing)
     return fault.text;
 }
 
-STORY(a_missing_helper_is_named)
+STORY(a_helper_that_is_missing_ends_or_dies_is_told)
 {
     OWNED(image_helper_drop) struct image_helper *none = NULL;
     struct picture q;
@@ -276,10 +276,6 @@ STORY(a_missing_helper_is_named)
     CHECK_INT(image_helper_new(&none, "/nonexistent/iftty-image", NULL), OK);
     CHECK_INT(image_helper_read(none, "a.png", &q, &fault), ERR_IO);
     CHECK_HAS(fault.text, "cannot start the image helper /nonexistent/iftty-image: No such file");
-}
-
-STORY(a_helper_that_ends_or_dies_is_told)
-{
     for (int writing = 0; writing < 2; writing++) {
         CHECK_HAS(failure("exit 3", writing), "helper.sh ended with status 3");
         CHECK_HAS(failure("read line; kill -SEGV $$", writing), "helper.sh died (Segmentation");

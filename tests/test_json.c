@@ -67,7 +67,7 @@ STORY(outer_levels_have_a_line_for_each_member)
                                 "}\n");
 }
 
-STORY(each_outermost_value_is_a_line)
+STORY(each_outermost_value_is_a_line_and_texts_are_escaped_wherever_they_stand)
 {
     struct json json = begin(0);
     json_count(&json, NULL, 1);
@@ -75,11 +75,7 @@ STORY(each_outermost_value_is_a_line)
     json_end(&json);
     json_text(&json, NULL, "");
     CHECK_TEXT(buf_text(&text), "1\n{}\n\"\"\n");
-}
-
-STORY(texts_are_escaped_wherever_they_stand)
-{
-    struct json json = begin(0);
+    json = begin(0);
     json_object(&json, NULL);
     json_text(&json, "a\"b\\", "\n\033[1m\x7f");
     json_bytes(&json, "zero", "a\0b", 3);
@@ -96,7 +92,7 @@ STORY(texts_are_escaped_wherever_they_stand)
                                 "\"digest\": \"0000000000000abc\"}\n");
 }
 
-STORY(numbers_are_whole_at_the_ends_of_their_range)
+STORY(numbers_are_whole_at_the_ends_of_their_range_and_reals_have_a_point)
 {
     struct json json = begin(0);
     json_array(&json, NULL);
@@ -104,11 +100,7 @@ STORY(numbers_are_whole_at_the_ends_of_their_range)
     json_count(&json, NULL, 0);
     json_end(&json);
     CHECK_TEXT(buf_text(&text), "[18446744073709551615, 0]\n");
-}
-
-STORY(reals_have_a_point_and_are_finite)
-{
-    struct json json = begin(0);
+    json = begin(0);
     json_array(&json, NULL);
     json_fixed(&json, NULL, 1.5, 3);
     json_fixed(&json, NULL, -0.0625, 4);

@@ -258,17 +258,13 @@ static const char *line_of(const char *what, uint64_t done, uint64_t total, bool
     return text;
 }
 
-STORY(the_line_fits_the_terminal)
+STORY(the_line_fits_the_terminal_and_where_text_is_utf_8_the_bar_has_eighths)
 {
     CHECK_TEXT(line_of("digest of the weights", UINT64_MAX, UINT64_MAX, false, 79),
                "digest of the weights [########################] 100 %, 3 s");
     CHECK_TEXT(line_of("weights", 0, UINT64_C(1) << 40, false, 30),
                "weights               [-------");
     CHECK_TEXT(line_of("weights", 3, 0, false, 0), "");
-}
-
-STORY(where_text_is_utf_8_the_bar_has_eighths)
-{
     CHECK_TEXT(line_of("weights", 0, 192, true, 79),
                "weights               ▕                        ▏   0 %, 3 s");
     CHECK_TEXT(line_of("weights", 12, 192, true, 79),

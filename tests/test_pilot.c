@@ -1160,7 +1160,7 @@ STORY(the_page_of_keys_fits_and_is_the_card_in_the_readme)
     CHECK_HAS(buf_text(&readme), buf_text(&card));
 }
 
-STORY(the_page_of_keys_fits_any_window)
+STORY(the_page_of_keys_fits_any_window_and_is_filtered)
 {
     for (unsigned columns = 20; columns < 100; columns++) {
         OWNED(buf_release) struct buf wrapped = {0};
@@ -1168,10 +1168,6 @@ STORY(the_page_of_keys_fits_any_window)
         for (const char *at = buf_text(&wrapped); *at; at += strcspn(at, "\n") + 1)
             CHECK(cells_width(at, strcspn(at, "\r\n")) <= columns);
     }
-}
-
-STORY(the_page_of_keys_is_filtered)
-{
     CHECK_TEXT(page_with("CONT", false),
                "Display\n"
                "  o                overlay               contour; finish; greys\n"

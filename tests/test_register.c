@@ -99,7 +99,7 @@ static void check_refused(const struct deformation *d, const char *words)
     CHECK_HAS(fault.text, "landmarks in both scenes");
 }
 
-STORY(a_mirror_image_and_a_slab_are_refused)
+STORY(mirror_images_slabs_and_scenes_without_contrast_or_orientation_are_refused)
 {
     struct deformation mirrored = known, slab = known;
     mirrored.mirrored = true;
@@ -107,10 +107,6 @@ STORY(a_mirror_image_and_a_slab_are_refused)
     slab.planes = 4;
     check_refused(&mirrored, "left and right may be swapped");
     check_refused(&slab, "of one scene's content is inside the other");
-}
-
-STORY(scenes_without_contrast_or_orientation_are_refused)
-{
     struct registration found;
     struct subject subject;
     struct fault fault;

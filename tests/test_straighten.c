@@ -148,7 +148,7 @@ static void straighten_one(const int order[3], const double lean[3])
 
 static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
-STORY(a_gantry_that_leans_either_way)
+STORY(a_gantry_that_leans_either_way_and_randomly_sheared_axes)
 {
     for (int o = 0; o < 6; o++)
         for (int degrees = -30; degrees <= 30; degrees += 5) {
@@ -156,10 +156,6 @@ STORY(a_gantry_that_leans_either_way)
             if (degrees)
                 straighten_one(orders[o], lean);
         }
-}
-
-STORY(randomly_sheared_axes)
-{
     for (int n = 0; n < 300; n++) {
         const double lean[3] = {between(-0.3, 0.3), between(-1, 1), between(-1, 1)};
         straighten_one(orders[n % 6], lean);

@@ -190,7 +190,7 @@ static void check_surface_of_box(enum kind kind)
         CHECK_INT(surface_volume(s, &s->part[p]), (int64_t)(6 * s->part[p].voxels) << 30);
 }
 
-STORY(each_set_of_eight_voxels_has_a_closed_surface)
+STORY(each_set_of_eight_voxels_and_labels_of_any_kind_have_closed_surfaces)
 {
     for (unsigned set = 1; set < 256; set++) {
         box_init(2, 2, 2);
@@ -199,10 +199,6 @@ STORY(each_set_of_eight_voxels_has_a_closed_surface)
         check_surface_of_box(NET);
         check_surface_of_box(CUBES);
     }
-}
-
-STORY(labels_of_any_kind_have_closed_surfaces)
-{
     uint64_t random = 7;
     for (int round = 0; round < 200 && check_failures == 0; round++) {
         box_of_noise(&random);

@@ -397,23 +397,19 @@ static void check_keys(const struct key_case *cases, size_t count)
     check_keys((const struct key_case[]){__VA_ARGS__},                                             \
                sizeof((const struct key_case[]){__VA_ARGS__}) / sizeof(struct key_case))
 
-STORY(characters_come_out_whole_and_broken_ones_do_not)
+STORY(characters_come_out_whole_and_control_and_alt_keys_are_told_from_text)
 {
     CHECK_KEYS({"a\u00e4\u20ac\U0001F9E0", "a \u00e4 \u20ac \U0001F9E0"},
                {"\xC3(", "("}, /* truncated: the next byte still counts */
                {"\xE2\x82\xE2\x82\xAC", "\u20ac"}, {"\x80\xBFx\xFF\xC0\xAFy", "x y"},
                {"\xED\xA0\x80z", "z"}, /* a surrogate */
                {"\xC2\x9Bz", "z"});    /* a C1 control in disguise */
-}
-
-STORY(control_and_alt_keys_are_told_from_text)
-{
     CHECK_KEYS({"\x01\x1A\t\r\n\x7F\x08", "C-a C-z tab enter enter backspace backspace"},
                {"\033b\033\x7F\033\r", "A-b A-backspace A-enter"}, {"\033\u00e4", "A-\u00e4"},
                {"\x1F\x1C", "C-_ C-\\"});
 }
 
-STORY(cursor_keys_come_in_two_dialects)
+STORY(cursor_keys_come_in_two_dialects_and_a_paste_is_marked_off)
 {
     CHECK_KEYS({"\033[A\033[B\033[C\033[D\033[H\033[F", "up down right left home end"},
                {"\033OA\033OB\033OC\033OD\033OH\033OF", "up down right left home end"},
@@ -423,10 +419,6 @@ STORY(cursor_keys_come_in_two_dialects)
                {"\033Oc\033OM\033\033[A", "C-right enter A-up"},
                {"\033\033[?62;4cx", "A-<[?62;4c> x"}, /* Escape, then a reply */
                {"\033OP\033[15~\033[[Ax\033[1;2P", "other other other x S-other"});
-}
-
-STORY(a_paste_is_marked_off)
-{
     CHECK_KEYS({"\033[200~ab\n\033[201~", "paste a b enter pasted"});
 }
 
@@ -449,7 +441,7 @@ STORY(replies_are_swallowed_whole_whenever_they_come)
     CHECK(out.length > 2 && strcmp(out.data + out.length - 3, "> z") == 0);
 }
 
-STORY(the_mouse_is_reported_in_two_ways)
+STORY(the_mouse_is_reported_in_two_ways_and_reports_without_sense_are_swallowed)
 {
     CHECK_KEYS(
         {"\033[<0;11;6M\033[<0;11;6mx", "left:pressed@10,5 left:released@10,5 x"},
@@ -458,10 +450,6 @@ STORY(the_mouse_is_reported_in_two_ways)
         {"\033[<64;5;6M\033[<65;5;6M", "-:wheel-up@4,5 -:wheel-down@4,5"},
         {"\033[<20;5;6M\033[<8;5;6M", "C-S-left:pressed@4,5 A-left:pressed@4,5"},
         {"\033[M +&\033[M#+&\033[M`!!x", "left:pressed@10,5 -:released@10,5 -:wheel-up@0,0 x"});
-}
-
-STORY(mouse_reports_that_make_no_sense_are_swallowed)
-{
     CHECK_KEYS({"\033[<66;5;6M\033[<128;5;6Mx", "other other x"}, /* a wheel that tilts; button 8 */
                {"\033[<0;0;6M\033[<0;5;0M\033[<0;5M\033[<M\033[<0;5;6;7Mx",
                 "other other other other other x"},
@@ -783,34 +771,26 @@ static void check_typed(const struct typed *row, size_t rows)
     check_typed((const struct typed[]){__VA_ARGS__},                                               \
                 sizeof((const struct typed[]){__VA_ARGS__}) / sizeof(struct typed))
 
-STORY(typing_moving_and_deleting)
+STORY(typing_moving_and_deleting_what_the_eye_sees_as_one_character)
 {
     begin_line(NULL, 0);
     TYPED({LEFT LEFT ERASE DELETE TRANSPOSE KILL_TO_END, "|"}, /* nothing there yet */
           {"seed 1,2,3 brain" WORD_LEFT WORD_LEFT, "seed 1,2,|3 brain"},
           {ERASE DELETE "4", "seed 1,24| brain"}, {WORD_RIGHT, "seed 1,24 brain|"},
           {RIGHT RIGHT RIGHT DELETE HOME RIGHT, "s|eed 1,24 brain"});
-}
-
-STORY(one_character_is_what_the_eye_sees_as_one)
-{
     begin_line(NULL, 0);
     TYPED({"ae\u0301\u0323\U0001F9E0\u00e4" LEFT LEFT LEFT, "a|e\u0301\u0323\U0001F9E0\u00e4"},
           {DELETE, "a|\U0001F9E0\u00e4"}, {END TRANSPOSE, "a\u00e4\U0001F9E0|"},
           {ERASE, "a\u00e4|"});
 }
 
-STORY(kills_gather_and_come_back)
+STORY(kills_gather_and_come_back_and_letters_are_transposed)
 {
     begin_line(NULL, 0);
     TYPED({"view 30 15 0" KILL_BLANK KILL_BLANK, "view 30 |"}, {YANK YANK, "view 30 15 015 0|"},
           {HOME KILL_WORD KILL_TO_END, "|"}, {"x" YANK, "xview 30 15 015 0|"},
           /* something else between: a new kill begins */
           {KILL_WORD_LEFT LEFT KILL_TO_START YANK, "xview 30 15 015| "});
-}
-
-STORY(transposing_at_the_ends_and_within)
-{
     begin_line(NULL, 0);
     TYPED({"ab" TRANSPOSE, "ba|"}, {HOME TRANSPOSE, "|ba"}, {RIGHT TRANSPOSE, "ab|"});
 }
@@ -896,7 +876,7 @@ static const char *const sessions[] = {"seed 1,1,1 a",          "view left",
                                        "seed 2,2,2 b",          "run",
                                        "seed 3,3,3 a radius=2", "label 2 \"left hemi\""};
 
-STORY(older_lines_begin_with_what_stands_before_the_cursor)
+STORY(older_lines_begin_with_what_stands_before_the_cursor_and_their_last_words_are_cited)
 {
     begin_line(sessions, 6);
     TYPED({"seed" OLDER, "seed 3,3,3 a radius=2|"}, {OLDER, "seed 2,2,2 b|"},
@@ -908,10 +888,6 @@ STORY(older_lines_begin_with_what_stands_before_the_cursor)
           /* no older line any more: it is today's */
           {"x" HOME OLDER, "label 2 \"left hemi\"|"}, {NEWER, "runx|"},
           {"zzz" OLDER, "runxzzz|"}); /* nothing begins so */
-}
-
-STORY(last_words_of_older_lines_are_cited)
-{
     begin_line(sessions, 6);
     TYPED(
         {"x " LAST_WORD, "x \"left hemi\"|"}, {LAST_WORD, "x radius=2|"},
@@ -1246,7 +1222,7 @@ static void wraps(const char *text, unsigned columns, const char *expected)
     CHECK_TEXT(buf_text(&out), expected);
 }
 
-STORY(replies_are_broken_between_words)
+STORY(replies_are_broken_between_words_and_go_on_where_their_text_began)
 {
     wraps("", 10, "");
     wraps("one two", 10, "one two");
@@ -1260,10 +1236,6 @@ STORY(replies_are_broken_between_words)
     wraps("\u00e9\u00e9 \u00e9\u00e9 \u00e9\n", 5, "\u00e9\u00e9 \u00e9\u00e9\r\n\u00e9\r\n");
     wraps("\u4e2d\u4e2d \u4e2d\n", 6, "\u4e2d\u4e2d\r\n\u4e2d\r\n"); /* two cells each */
     wraps("\033[31merror:\033[m bad\n", 10, "\033[31merror:\033[m bad\r\n");
-}
-
-STORY(replies_go_on_where_their_text_began)
-{
     wraps("view  one two three\n", 14, "view  one two\r\n      three\r\n");
     wraps("  one two three\n", 9, "  one two\r\n  three\r\n");
     wraps("one two three  four\n", 16, "one two three\r\nfour\r\n"); /* beyond the middle */

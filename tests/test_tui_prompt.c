@@ -28,7 +28,7 @@ STORY(the_caret_stands_under_the_first_column_of_the_word)
     CHECK_TEXT(caret("s> ", "\x01 x", 2, true, 80), "        ^\n"); /* drawn as \x01 */
 }
 
-STORY(a_line_that_did_not_fit_is_shown_around_the_word)
+STORY(a_line_that_did_not_fit_or_is_above_other_output_is_shown_around_the_word)
 {
     CHECK_TEXT(caret("s> ", "aa bb", 3, true, 9), "      ^\n");
     CHECK_TEXT(caret("s> ", "aaaa bb", 5, true, 10), "...a bb\n     ^\n");
@@ -39,10 +39,6 @@ STORY(a_line_that_did_not_fit_is_shown_around_the_word)
     CHECK_TEXT(caret("ch2> ", "\xe6\x9c\xac\xe6\x9c\xac\xe6\x9c\xac\xe6\x9c\xac\xe6\x9c\xac x", 16,
                      true, 16),
                "...\xe6\x9c\xac\xe6\x9c\xac x\n        ^\n");
-}
-
-STORY(below_other_output_the_line_is_shown_again)
-{
     CHECK_TEXT(caret("s> ", "sede 1", 0, false, 80), "sede 1\n^\n");
     CHECK_TEXT(caret("s> ", "sede\x1b[m 1", 5, false, 80), "sede\\x1b[m 1\n        ^\n");
 }
@@ -86,24 +82,16 @@ STORY(what_all_candidates_begin_with_is_whole_characters)
     CHECK_INT(candidates_of("seed\nrun\n").common, 0);
 }
 
-STORY(candidates_stand_in_columns_read_downwards)
+STORY(candidates_stand_in_columns_without_what_leads_to_a_file_or_are_told_in_one_line)
 {
     CHECK_TEXT(list("one\ntwo\n", 80, 24), "one  two\r\n");
     CHECK_TEXT(list("a\nb\nc\nd\ne\n", 6, 24), "a  d\r\nb  e\r\nc\r\n");
     CHECK_TEXT(list("\xe6\x9c\xac\nb\nc\n", 8, 24), "\xe6\x9c\xac  c\r\nb\r\n");
     CHECK_TEXT(list("longer than the window\nb\n", 8, 24), "longer than the window\r\nb\r\n");
-}
-
-STORY(what_leads_to_a_file_is_not_repeated)
-{
     CHECK_TEXT(list("scans/a.nii\nscans/b.nii\n", 80, 24), "a.nii  b.nii\r\n");
     CHECK_TEXT(list("\"my scans/a.nii\"\n\"my scans/masks/\n", 80, 24), "a.nii   masks/\r\n");
     CHECK_TEXT(list("\"a b\"\n\"a c/\n", 80, 24), "a b   a c/\r\n");
     CHECK_TEXT(list("scans/\nscans/a\n", 80, 24), "scans/  a\r\n");
-}
-
-STORY(candidates_that_do_not_fit_are_told_in_one_line)
-{
     OWNED(buf_release) struct buf words = {0};
     for (int i = 0; i < 100; i++)
         buf_printf(&words, "%02d\n", i);
