@@ -14,7 +14,7 @@ import h5py
 import nibabel
 import numpy
 
-from make import LPS, read, save_plain_twin, save_twin, write
+from make import LPS, mrc, read, save_plain_twin, save_twin, write
 
 SIZE = (5, 4, 3)
 os.chdir(sys.argv[1])
@@ -223,29 +223,6 @@ def make_meta():
 
 
 # ---- MRC ----
-
-
-def mrc(name, data, mode, axes=(1, 2, 3), order="<", stamp=None, cell=None, angles=(90, 90, 90),
-        ispg=1, mz=None, imod=None, statistics=(0, -1, -1), extended=b"", tail=b"", map_=b"MAP "):
-    """`data` by x, y, z; `axes` those of columns, rows and sections."""
-    header = numpy.zeros(256, order + "i4")
-    real = header.view(order + "f4")
-    stored = numpy.transpose(data, [a - 1 for a in axes])
-    header[0:3] = stored.shape
-    header[3] = mode
-    header[7:10] = data.shape[:2] + (mz or data.shape[2],)
-    real[10:13] = cell if cell is not None else numpy.array(header[7:10]) * [20, 30, 50]
-    real[13:16] = angles
-    header[16:19] = axes
-    real[19:22] = statistics
-    header[22], header[23] = ispg, len(extended)
-    if imod is not None:
-        header[38], header[39] = 1146047817, imod
-    raw = bytearray(header.tobytes())
-    raw[208:212] = map_
-    raw[212:214] = stamp or (b"DD" if order == "<" else b"\x11\x11")
-    write(name, bytes(raw), extended,
-          stored.T.astype(data.dtype.newbyteorder(order)).tobytes(), tail)
 
 
 def change(name, at, bytes_):

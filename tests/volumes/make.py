@@ -188,18 +188,32 @@ def make_meta():
     save_plain_twin("plain.raw", data)
 
 
+def mrc(name, data, mode, axes=(1, 2, 3), order="<", stamp=None, cell=None, angles=(90, 90, 90),
+        ispg=1, mz=None, imod=None, statistics=(0, -1, -1), extended=b"", tail=b"", map_=b"MAP "):
+    """`data` by x, y, z; `axes` those of columns, rows and sections."""
+    header = numpy.zeros(256, order + "i4")
+    real = header.view(order + "f4")
+    stored = numpy.transpose(data, [a - 1 for a in axes])
+    header[0:3] = stored.shape
+    header[3] = mode
+    header[7:10] = data.shape[:2] + (mz or data.shape[2],)
+    real[10:13] = cell if cell is not None else numpy.array(header[7:10]) * [20, 30, 50]
+    real[13:16] = angles
+    header[16:19] = axes
+    real[19:22] = statistics
+    header[22], header[23] = ispg, len(extended)
+    if imod is not None:
+        header[38], header[39] = 1146047817, imod
+    raw = bytearray(header.tobytes())
+    raw[208:212] = map_
+    raw[212:214] = stamp or (b"DD" if order == "<" else b"\x11\x11")
+    write(name, bytes(raw), extended,
+          stored.T.astype(data.dtype.newbyteorder(order)).tobytes(), tail)
+
+
 def make_mrc():
-    data = voxels()
-    header = numpy.zeros(256, "<i4")
-    header[0:3] = header[7:10] = SIZE
-    header[3] = 1
-    header[10:13] = (numpy.array(SIZE) * 400).astype("<f4").view("<i4")  # 40 nm each
-    header[13:16] = numpy.array([90, 90, 90], "<f4").view("<i4")
-    header[16:19] = 1, 2, 3
-    header[52] = int.from_bytes(b"MAP ", "little")
-    header[53] = 0x4444
-    write("a.mrc", header.tobytes(), data.T.astype("<i2").tobytes())
-    save_plain_twin("a.mrc", data, (4e-5, 4e-5, 4e-5))
+    mrc("a.mrc", voxels(), 1, cell=numpy.array(SIZE) * 400, ispg=0)  # 40 nm each
+    save_plain_twin("a.mrc", voxels(), (4e-5, 4e-5, 4e-5))
 
 
 def make_vtk():

@@ -14,7 +14,7 @@ import h5py
 import nibabel
 import numpy
 
-from make import read, write
+from make import mrc, read, write
 
 os.chdir(sys.argv[1])
 DATA = (numpy.arange(60).reshape(3, 4, 5) * 7 % 101 + 1).astype("i2")  # z, y, x
@@ -93,17 +93,8 @@ def make_itk_hdf5():
 def make_mrc():
     for mode, code, order in ((1, "i2", "<"), (2, "f4", "<"), (6, "u2", "<"), (1, "i2", ">"),
                               (2, "f4", ">"), (6, "u2", ">")):
-        header = numpy.zeros(256, order + "i4")
-        header[0:3] = header[7:10] = 5, 4, 3
-        header[3] = mode
-        header[10:13] = numpy.array([5e7, 4e7, 3e7], order + "f4").view(order + "i4")  # 1 mm each
-        header[13:16] = numpy.array([90, 90, 90], order + "f4").view(order + "i4")
-        header[16:19] = 1, 2, 3
-        header[19:22] = numpy.array([1, 101, 50], order + "f4").view(order + "i4")
-        bytes_ = bytearray(header.tobytes())
-        bytes_[208:216] = b"MAP " + (b"DD\0\0" if order == "<" else b"\x11\x11\0\0")
-        name = "%s-%s.mrc" % (code, "little" if order == "<" else "big")
-        write(name, bytes_, DATA.astype(order + code).tobytes())
+        mrc("%s-%s.mrc" % (code, "little" if order == "<" else "big"), DATA.T.astype(code), mode,
+            order=order, cell=(5e7, 4e7, 3e7), statistics=(1, 101, 50), ispg=0)  # 1 mm
 
 
 def gipl(name, kind, data, sides=(5, 4, 3, 1)):
