@@ -107,25 +107,20 @@ STORY(an_object_among_others_has_the_normals_that_it_has_alone)
 
 /* ---- a crease ---- */
 
-/* A wall whose halves are two objects, seen from the front. */
-static void stage_wall(struct stage *s)
-{
-    CHECK(stage_init(s, (uint32_t[]){40, 20, 40}, 6, NULL) == OK);
-    for (uint32_t z = 0; z < 40; z++)
-        for (uint32_t y = 0; y < 10; y++)
-            for (uint32_t x = 0; x < 40; x++)
-                s->scene->cell[grid_cell(&s->scene->grid, x, y, z)].label = x < 20 ? 1 : 2;
-    border_recount(&s->border);
-    CHECK(view_by_name("front", s->view.angle));
-    s->view.width = s->view.height = 40;
-    s->view.zoom = 1000;
-}
-
 STORY(there_is_a_crease_where_two_objects_touch_and_nowhere_else)
 {
     OWNED(stage_release) struct stage s;
     OWNED(rendition_release) struct rendition smooth, creased;
-    stage_wall(&s);
+    /* A wall whose halves are two objects, seen from the front. */
+    CHECK(stage_init(&s, (uint32_t[]){40, 20, 40}, 6, NULL) == OK);
+    for (uint32_t z = 0; z < 40; z++)
+        for (uint32_t y = 0; y < 10; y++)
+            for (uint32_t x = 0; x < 40; x++)
+                s.scene->cell[grid_cell(&s.scene->grid, x, y, z)].label = x < 20 ? 1 : 2;
+    border_recount(&s.border);
+    CHECK(view_by_name("front", s.view.angle));
+    s.view.width = s.view.height = 40;
+    s.view.zoom = 1000;
     draw(&s, &smooth);
     s.look.creases = 1;
     draw(&s, &creased);

@@ -195,19 +195,6 @@ static void random_cut(struct stage *s, uint64_t *random)
     border_recount(&s->border);
 }
 
-/* `kept` has followed the edits as an incremental image. */
-static void all_ways_agree(struct stage *s, const struct rendition *kept)
-{
-    static projection *const way[] = {project_border, project_scene, project_rays};
-    static const char *const name[] = {"border projection", "scene projection", "ray walk"};
-    OWNED(rendition_release) struct rendition r;
-    CHECK(rendition_init(&r, s->view.width, s->view.height, NULL) == OK);
-    for (int i = 0; i < 3; i++) {
-        stage_render(s, &r, way[i]);
-        CHECK(stage_same_pixels(&r, kept, name[i]));
-    }
-}
-
 /* After another cut, what the shader kept of the previous one has no effect. */
 static void a_new_shader_sees_the_same(struct stage *s, uint64_t *random)
 {
@@ -280,7 +267,15 @@ STORY(borders_and_pictures_follow_cuts_edits_and_hidden_labels)
             CHECK(border_check(&s.border, NULL));
             stage_follow(&s, &kept, &changes);
             stage_shade(&s, &kept);
-            all_ways_agree(&s, &kept);
+            /* `kept` has followed the edits as an incremental image. */
+            static projection *const way[] = {project_border, project_scene, project_rays};
+            static const char *const name[] = {"border projection", "scene projection", "ray walk"};
+            OWNED(rendition_release) struct rendition r;
+            CHECK(rendition_init(&r, s.view.width, s.view.height, NULL) == OK);
+            for (int i = 0; i < 3; i++) {
+                stage_render(&s, &r, way[i]);
+                CHECK(stage_same_pixels(&r, &kept, name[i]));
+            }
         }
         for (uint32_t c = 0; c < s.scene->grid.cells; c++)
             open += border_is_cut(&s.border, c);

@@ -54,14 +54,6 @@ static int search(const struct stage *s, const struct mip_source *of, struct pas
     return most > 255 ? 255 : most;
 }
 
-static void is_right(const struct stage *s, const struct mip *mip, const struct mip_source *of)
-{
-    OWNED(mem_release) struct passed *room = mem_array(s->scene->grid.voxels, sizeof *room);
-    for (uint32_t y = 0; y < s->view.height; y++)
-        for (uint32_t x = 0; x < s->view.width; x++)
-            CHECK_INT(mip->brightness[(size_t)y * s->view.width + x], search(s, of, room, x, y));
-}
-
 STORY(a_pixel_is_as_bright_as_the_brightest_voxel_on_its_ray)
 {
     uint64_t random = 3;
@@ -80,7 +72,11 @@ STORY(a_pixel_is_as_bright_as_the_brightest_voxel_on_its_ray)
                 of.window[1] = of.window[0] - 1 - (int32_t)check_below(&random, 500);
             look_at_random(&s, &random);
             CHECK(mip_draw(&mip, &of, &s.camera, team[i % 4], NULL) == OK);
-            is_right(&s, &mip, &of);
+            OWNED(mem_release) struct passed *room = mem_array(s.scene->grid.voxels, sizeof *room);
+            for (uint32_t y = 0; y < s.view.height; y++)
+                for (uint32_t x = 0; x < s.view.width; x++)
+                    CHECK_INT(mip.brightness[(size_t)y * s.view.width + x],
+                              search(&s, &of, room, x, y));
             s.border.cut = cut_none(); /* change cut and view, but not the scene */
         }
     }

@@ -32,18 +32,6 @@ static void large_row(void *context, uint32_t y, uint32_t z, void *values)
         *at++ = number[map[z][y][x]];
 }
 
-/* Random boxes. */
-static void fill_map(void)
-{
-    memset(map, 0, sizeof map);
-    for (unsigned l = 1; l < LABELS; l++) {
-        const uint32_t x = check_below(&seed, 8), y = check_below(&seed, 7),
-                       z = check_below(&seed, 6);
-        for (uint32_t k = 0; k < 64; k++)
-            map[z + k / 16][y + k / 4 % 4][x + k % 4] = (uint8_t)l;
-    }
-}
-
 /* Execute a line in both sessions, with the numbers of labels for each %. */
 static void do_both(const char *line, unsigned one, unsigned other)
 {
@@ -143,7 +131,14 @@ static void begin_both(void)
         number[l] = number[other];
         number[other] = is;
     }
-    fill_map();
+    /* Random boxes. */
+    memset(map, 0, sizeof map);
+    for (unsigned l = 1; l < LABELS; l++) {
+        const uint32_t x = check_below(&seed, 8), y = check_below(&seed, 7),
+                       z = check_below(&seed, 6);
+        for (uint32_t k = 0; k < 64; k++)
+            map[z + k / 16][y + k / 4 % 4][x + k % 4] = (uint8_t)l;
+    }
     write_map("small.nii", size, VOXEL_UINT8, small_row, NULL);
     write_map("large.nii", size, VOXEL_UINT32, large_row, NULL);
     begin_with_journal(&small, "small.iftty");

@@ -63,18 +63,6 @@ STORY(a_stroke_is_balls_at_the_voxels_nearest_to_each_step)
     }
 }
 
-/* Simulate an arrow key that is held, with occasional changes of direction. */
-static void next_place(uint32_t place[3], int step[3])
-{
-    for (int a = 0; a < 3; a++)
-        if (below(6) == 0)
-            step[a] = (int)below(3) - 1;
-    for (int a = 0; a < 3; a++) {
-        const int64_t to = (int64_t)place[a] + step[a] * (1 + (int)below(2));
-        place[a] = to < 0 || to >= grid.size[a] ? place[a] : (uint32_t)to;
-    }
-}
-
 STORY(places_on_a_straight_way_are_left_out_and_the_voxels_stay)
 {
     size_t places = 0, corners = 0;
@@ -90,7 +78,14 @@ STORY(places_on_a_straight_way_are_left_out_and_the_voxels_stay)
         random_place(place[0]);
         for (uint32_t i = 1; i < count; i++) {
             memcpy(place[i], place[i - 1], sizeof place[0]);
-            next_place(place[i], step);
+            /* Simulate an arrow key that is held, with occasional changes of direction. */
+            for (int a = 0; a < 3; a++)
+                if (below(6) == 0)
+                    step[a] = (int)below(3) - 1;
+            for (int a = 0; a < 3; a++) {
+                const int64_t to = (int64_t)place[i][a] + step[a] * (1 + (int)below(2));
+                place[i][a] = to < 0 || to >= grid.size[a] ? place[i][a] : (uint32_t)to;
+            }
         }
         for (uint32_t i = 0; i < count; i++)
             CHECK(polyline_add(&line, place[i]));

@@ -101,13 +101,6 @@ static void make_scene(struct growth *growth, const struct scene *tile, const ui
     border_recount(&growth->border);
 }
 
-static void release(struct growth *growth)
-{
-    border_release(&growth->border);
-    forest_free(growth->forest);
-    scene_free(growth->scene);
-}
-
 /* ---- timing ---- */
 
 static void time_edit(struct growth *growth, int erases, int round)
@@ -209,7 +202,10 @@ enum err run_growth(const struct options *o, struct fault *fault)
         write_table(bench_json(), growth, scenes);
     else
         print_table(growth, scenes);
-    for (size_t i = 0; i < scenes; i++)
-        release(growth + i);
+    for (size_t i = 0; i < scenes; i++) {
+        border_release(&growth[i].border);
+        forest_free(growth[i].forest);
+        scene_free(growth[i].scene);
+    }
     return OK;
 }
