@@ -5,12 +5,16 @@
 #ifndef TESTS_FOLDER_H
 #define TESTS_FOLDER_H
 
+#include <dirent.h>
 #include <limits.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "base/mem.h"
 
 /* A folder's name; the name of a file in it. */
 enum { FOLDER_LENGTH = 160, FILE_LENGTH = FOLDER_LENGTH + 272 };
@@ -56,6 +60,24 @@ static inline const char *built_program(const char *name)
     const char *build = getenv("IFTTY_BUILD");
     snprintf(path, sizeof path, "%s/%s", build ? build : "build", name);
     return path;
+}
+
+/* For OWNED(listing_release) DIR *listing = opendir(folder). */
+static inline void listing_release(DIR **listing)
+{
+    if (*listing)
+        closedir(*listing);
+}
+
+/* The number of names in a folder, without "." and "..", that begin so. */
+static inline unsigned count_names(const char *folder, const char *prefix)
+{
+    OWNED(listing_release) DIR *listing = opendir(folder);
+    unsigned count = 0;
+    for (const struct dirent *entry; listing && (entry = readdir(listing));)
+        count += strncmp(entry->d_name, prefix, strlen(prefix)) == 0 &&
+                 strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+    return count;
 }
 
 /* Removes a folder with all below it; 1, with a comment, where something is left. */

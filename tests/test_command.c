@@ -2,7 +2,6 @@
 /* The command language: every command of the table by its example, by random lines and by wrong
  * lines; and interpreter_execute, which undoes a command that cannot be recorded. */
 #include <errno.h>
-#include <dirent.h>
 
 #include "command/command.h"
 #include "base/choice.h"
@@ -1713,23 +1712,12 @@ SCENE_STORY(weights_are_named_and_stay_without_memory)
 
 /* ---- without memory ---- */
 
-/* Count the files in a folder, including drafts and backups. */
-static unsigned files_in(const char *path)
-{
-    DIR *dir = opendir(path);
-    unsigned count = 0;
-    while (CHECK(dir != NULL) && readdir(dir))
-        count++;
-    closedir(dir);
-    return count;
-}
-
 /* Let the first allocation fail, then the second one, and so on, until the command succeeds. */
 static void fails_at_every_allocation(struct interpreter *interp, const char *line,
                                       const char *kept)
 {
     OWNED(buf_release) struct buf former = {0}, now = {0};
-    const unsigned files = files_in(folder);
+    const unsigned files = count_names(folder, ""); /* with drafts and backups */
     enum err err = ERR_MEMORY;
     CHECK(!kept || file_read(&former, place(kept), 1 << 20, NULL) == OK);
     for (unsigned n = 0; n < 400 && err && check_failures < 5; n++) {
@@ -1743,7 +1731,7 @@ static void fails_at_every_allocation(struct interpreter *interp, const char *li
             break;
         CHECK((err == ERR_MEMORY || strstr(fault.text, strerror(ENOMEM))) && is_plain(fault.text));
         is_as_before(&before, interp, line);
-        CHECK_INT(files_in(folder), files);
+        CHECK_INT(count_names(folder, ""), files);
         CHECK(!kept ||
               (file_read(&now, place(kept), 1 << 20, NULL) == OK && now.length == former.length &&
                memcmp(now.data, former.data, now.length) == 0));

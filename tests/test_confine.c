@@ -29,23 +29,17 @@ static int child_of(int process)
 {
     char path[64];
     snprintf(path, sizeof path, "/proc/%d/task/%d/children", process, process);
-    FILE *file = fopen(path, "r");
-    int child = 0;
-    if (file && fscanf(file, "%d", &child) != 1)
-        child = 0;
-    if (file)
-        fclose(file);
-    return child;
+    OWNED(stream_release) FILE *file = fopen(path, "r");
+    int child;
+    return file && fscanf(file, "%d", &child) == 1 ? child : 0;
 }
 
 static bool has_status(int process, const char *line)
 {
     char path[64], text[4096];
     snprintf(path, sizeof path, "/proc/%d/status", process);
-    FILE *file = fopen(path, "r");
+    OWNED(stream_release) FILE *file = fopen(path, "r");
     const size_t n = file ? fread(text, 1, sizeof text - 1, file) : 0;
-    if (file)
-        fclose(file);
     text[n] = '\0';
     return strstr(text, line) != NULL;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a journal is protected from: files that are deleted, moved, replaced or changed under it,
  * syncs that fail, a second writer, flipped bits. And how it goes on elsewhere. */
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -279,25 +278,14 @@ STORY(what_may_wait_is_synced_soon_or_with_the_next_record)
     CHECK(journal_audit(journal));
 }
 
-static unsigned threads(void)
-{
-    unsigned count = 0;
-    DIR *tasks = opendir("/proc/self/task");
-    for (const struct dirent *one; tasks && (one = readdir(tasks));)
-        count += one->d_name[0] != '.';
-    if (tasks)
-        closedir(tasks);
-    return count;
-}
-
 STORY(where_nothing_is_to_be_synced_nothing_waits_for_it)
 {
     const char *path = "off.iftty";
     OWNED(journal_drop) struct journal *journal = make_journal(path, 1);
     CHECK(journal_set_sync(journal, FILE_SYNC_OFF, NULL) == OK);
-    const unsigned before = threads();
+    const unsigned before = count_names("/proc/self/task", "");
     CHECK(before > 0 && journal_append(journal, "turn 15", NULL, NULL) == OK);
-    CHECK_INT(threads(), before);
+    CHECK_INT(count_names("/proc/self/task", ""), before);
 }
 
 /* ---- others ---- */

@@ -5,7 +5,6 @@
  * fails alone (EIO), or nothing can be written from step N on (ENOSPC), for every N, until it is
  * carried out. A command that fails says so, and leaves every file as it was, no draft, and a
  * journal that verifies; the same command works once the disk does. */
-#include <dirent.h>
 #include <errno.h>
 
 #include "base/file.h"
@@ -56,7 +55,7 @@ static uint64_t digest_below(const char *path)
     uint64_t sum = 0;
     char name[FILE_LENGTH + 256];
     OWNED(buf_release) struct buf bytes = {0};
-    DIR *listing = opendir(path);
+    OWNED(listing_release) DIR *listing = opendir(path);
     for (const struct dirent *entry; listing && (entry = readdir(listing));) {
         uint64_t digest = UINT64_C(14695981039346656037);
         snprintf(name, sizeof name, "%s/%s", path, entry->d_name);
@@ -73,8 +72,6 @@ static uint64_t digest_below(const char *path)
             digest = (digest ^ (unsigned char)bytes.data[i]) * UINT64_C(1099511628211);
         sum += digest;
     }
-    if (listing)
-        closedir(listing);
     return sum;
 }
 

@@ -8,7 +8,6 @@
  * acknowledged, which verifies as it is; files that are whole, or not there; after the journal is
  * continued, a golden image for each record of one, no other, and no draft; and the rest of the
  * commands can be carried out, golden images from another view too. */
-#include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
 
@@ -160,7 +159,7 @@ static unsigned look_through(const char *below)
 {
     unsigned drafts = 0;
     char name[PATH_LENGTH];
-    DIR *listing = opendir(in(HERE, below));
+    OWNED(listing_release) DIR *listing = opendir(in(HERE, below));
     for (const struct dirent *entry; listing && (entry = readdir(listing));) {
         snprintf(name, sizeof name, "%s%s", below, entry->d_name);
         if (*entry->d_name == '.') {
@@ -176,8 +175,6 @@ static unsigned look_through(const char *below)
         else if (!CHECK(is_same(name, name)))
             printf("#   %s\n", name);
     }
-    if (listing)
-        closedir(listing);
     return drafts;
 }
 
@@ -211,11 +208,9 @@ static void has_goldens(void)
           golden_files_open(&files, HERE "j.iftty", false, NULL) == OK &&
           golden_files_read(&files, buf_text(&bytes), bytes.length, NULL) == OK);
     const char *at = buf_text(&files.named), *end = at + files.named.length;
-    DIR *listing = opendir(HERE "j.golden");
+    OWNED(listing_release) DIR *listing = opendir(HERE "j.golden");
     for (const struct dirent *entry; listing && (entry = readdir(listing));)
         images += *entry->d_name != '.';
-    if (listing)
-        closedir(listing);
     for (const char *name = at; name < end; name += strlen(name) + 1) {
         snprintf(path, sizeof path, "j.golden/%s", name);
         CHECK(file_exists(in(HERE, path)));

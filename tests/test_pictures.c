@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures of commands: their content, and how they are written to the disk. */
-#include <dirent.h>
 #include <math.h>
 
 #include "journal/journal.h"
@@ -278,18 +277,6 @@ STORY(normals_of_a_sheared_scene_stay_at_right_angles)
 
 /* ---- the turntable ---- */
 
-/* Files of this folder whose names begin so. */
-static unsigned count_files(const char *prefix)
-{
-    unsigned count = 0;
-    DIR *here = opendir(".");
-    for (const struct dirent *entry; here && (entry = readdir(here)) != NULL;)
-        count += strncmp(entry->d_name, prefix, strlen(prefix)) == 0;
-    if (here)
-        closedir(here);
-    return count;
-}
-
 BEGUN_STORY(a_turntable_shows_what_turning_shows, begin_with_object)
 {
     static const char *const turned[] = {"view 350 20", "view 80 20", "view 170 20", "view 260 20"};
@@ -313,7 +300,7 @@ BEGUN_STORY(a_turntable_shows_what_turning_shows, begin_with_object)
         picture_release(&p);
         picture_release(&q);
     }
-    CHECK_INT(count_files("turn"), 4);
+    CHECK_INT(count_names(".", "turn"), 4);
 }
 
 /* Compare the bytes of two files, and remove the second. */
@@ -418,7 +405,7 @@ BEGUN_STORY(a_pattern_is_one_number_in_the_name, begin_with_object)
     is_refused(interp, "spin 1 a%d.png", ERR_USAGE, "expected a number 2..1000");
     is_refused(interp, "spin 3 none/a%d.png", ERR_IO, "there is no folder none");
     is_refused(interp, "spin 3 a%d.xyz", ERR_INPUT, "no known format");
-    CHECK_INT(count_files("a"), 0);
+    CHECK_INT(count_names(".", "a"), 0);
     must(interp, "spin 11 n%09d.ppm");
     CHECK(file_exists("n000000010.ppm"));
 }
@@ -428,13 +415,13 @@ BEGUN_STORY(a_turntable_is_all_or_nothing, begin_with_object)
     OWNED(buf_release) struct buf kept = {0};
     CHECK_INT(file_write("all2.png", "mine", 4, FILE_KEEP, NULL), OK);
     is_refused(interp, "spin 4 all%d.png", ERR_IO, "all2.png exists already and was left alone");
-    CHECK_INT(count_files("all"), 1);
+    CHECK_INT(count_names(".", "all"), 1);
     CHECK(session_rendered(interp->session) && interp->session->now.outlook.view.angle[0] == 0);
     must(interp, "spin 4 all%d.png replace=yes");
-    CHECK_INT(count_files("all"), 4);
+    CHECK_INT(count_names(".", "all"), 4);
     CHECK_INT(file_read(&kept, "all2.png", 1 << 20, NULL), OK);
     CHECK(kept.length > 100);
-    CHECK_INT(count_files(".iftty-"), 0);
+    CHECK_INT(count_names(".", ".iftty-"), 0);
 }
 
 BEGUN_STORY(a_turntable_that_is_cancelled_leaves_nothing, begin_with_object)
@@ -456,7 +443,7 @@ BEGUN_STORY(a_turntable_that_is_cancelled_leaves_nothing, begin_with_object)
             looks = INT_MAX;
             if (!CHECK(err == ERR_CANCELLED))
                 continue;
-            CHECK_INT(count_files("gone") + count_files(".iftty-"), 0);
+            CHECK_INT(count_names(".", "gone") + count_names(".", ".iftty-"), 0);
             CHECK(interp->session->now.outlook.view.angle[0] == 0);
         }
     must(interp, "render");

@@ -11,7 +11,6 @@
  *
  * Blocks are the sectors of a disk; records are made long by comments, so that they have several.
  */
-#include <dirent.h>
 #include <errno.h>
 #include <pthread.h>
 
@@ -65,17 +64,15 @@ static void forget_everything(void)
 
 static void read_all(struct buf *out, const char *path)
 {
-    FILE *file = fopen(path, "re"); /* not by the layer under test */
+    OWNED(stream_release) FILE *file = fopen(path, "re"); /* not by the layer under test */
     buf_clear(out);
     for (int c; file && (c = getc(file)) != EOF;)
         buf_add_char(out, (char)c);
-    if (file)
-        fclose(file);
 }
 
 static unsigned list_names(struct synced_name out[FILES_MOST], unsigned count, const char *below)
 {
-    DIR *listing = opendir(file_in(folder, below));
+    OWNED(listing_release) DIR *listing = opendir(file_in(folder, below));
     for (struct dirent *entry; listing && (entry = readdir(listing));) {
         struct synced_name *name = &out[count];
         struct stat status;
@@ -94,8 +91,6 @@ static unsigned list_names(struct synced_name out[FILES_MOST], unsigned count, c
         if (name->is_folder)
             count = list_names(out, count, inside);
     }
-    if (listing)
-        closedir(listing);
     return count;
 }
 
@@ -277,7 +272,7 @@ static void open_acknowledged(void)
 
 static void clear(const char *where)
 {
-    DIR *listing = opendir(where);
+    OWNED(listing_release) DIR *listing = opendir(where);
     for (struct dirent *entry; listing && (entry = readdir(listing));) {
         char path[PATH_MAX];
         snprintf(path, sizeof path, "%s/%s", where, entry->d_name);
@@ -286,8 +281,6 @@ static void clear(const char *where)
             rmdir(path);
         }
     }
-    if (listing)
-        closedir(listing);
 }
 
 /* Lose the power in many ways, and open what each leaves. */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Publishing files, on file systems that have less than others: no renaming to a name that has to
  * be new, no hard links. And what is cleared away of those that were killed while they did so. */
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -26,17 +25,6 @@ static bool holds(const char *path, const char *text)
     return file_read(&found, path, 1000, NULL) == OK && strcmp(found.data, text) == 0;
 }
 
-static unsigned files_in_folder(void)
-{
-    unsigned count = 0;
-    DIR *listing = opendir(folder);
-    for (const struct dirent *entry; listing && (entry = readdir(listing));)
-        count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
-    if (listing)
-        closedir(listing);
-    return count;
-}
-
 /* A new file, one that is refused, one that is replaced, and one that is taken back. */
 static void publish_all(void)
 {
@@ -50,7 +38,7 @@ static void publish_all(void)
     CHECK(file_backup(&backup, path, &fault) == OK);
     CHECK(file_write(path, "three", 5, FILE_REPLACE, &fault) == OK && holds(path, "three"));
     CHECK(file_restore(buf_text(&backup), path, &fault) == OK && holds(path, "one"));
-    CHECK_INT(files_in_folder(), 1);
+    CHECK_INT(count_names(folder, ""), 1);
     unlink(path);
 }
 
@@ -69,7 +57,7 @@ static void publish_late(void)
     CHECK(file_publish(buf_text(&draft), path, FILE_KEEP, &fault) == ERR_IO);
     CHECK_HAS(fault.text, strerror(EEXIST));
     CHECK(holds(path, "theirs"));
-    CHECK_INT(files_in_folder(), 1);
+    CHECK_INT(count_names(folder, ""), 1);
     unlink(path);
 }
 
@@ -139,7 +127,7 @@ STORY(drafts_of_processes_that_have_ended_go_and_others_stay)
         CHECK(unlink(file_in(folder, names[i])) == 0);
     unlink(buf_text(&live));
     unlink(buf_text(&strange));
-    CHECK_INT(files_in_folder(), 0);
+    CHECK_INT(count_names(folder, ""), 0);
 }
 
 /* Runs in a process of its own, which ends without removing it. */
@@ -167,15 +155,15 @@ STORY(folders_of_processes_that_have_ended_go_with_what_is_in_them)
         leave_folder(&dead);
     CHECK(waitpid(child, &status, 0) == child && status == 0);
     CHECK(folder_temporary(&live, folder, NULL) == OK && folder_fresh(&fresh, folder, NULL) == OK);
-    CHECK_INT(files_in_folder(), 4);
+    CHECK_INT(count_names(folder, ""), 4);
     file_sweep(folder);
-    CHECK_INT(files_in_folder(), 3);
+    CHECK_INT(count_names(folder, ""), 3);
     CHECK(file_is_folder(buf_text(&live)) && file_is_folder(buf_text(&fresh)));
     CHECK(holds(file_in(folder, "kept.txt"), "x"));
     folder_remove(buf_text(&live));
     folder_remove(buf_text(&fresh));
     folder_remove(file_in(folder, "kept.txt"));
-    CHECK_INT(files_in_folder(), 0);
+    CHECK_INT(count_names(folder, ""), 0);
 }
 
 /* The process ends as if it was killed. */
@@ -202,16 +190,17 @@ STORY(a_folder_that_is_held_goes_with_a_process_that_was_killed_and_stays_else)
     if (child == 0)
         leave_held();
     CHECK(waitpid(child, &status, 0) == child && status == 0);
-    CHECK_INT(files_in_folder(), 5);
+    CHECK_INT(count_names(folder, ""), 5);
     CHECK(folder_held(&next, folder, NULL) == OK);
-    CHECK_INT(files_in_folder(), 5); /* one more, and the one of the process that has ended gone */
+    CHECK_INT(count_names(folder, ""),
+              5); /* one more, and the one of the process that has ended gone */
     CHECK(holds(file_in(buf_text(&kept), "a"), "x") && file_is_folder(buf_text(&live)));
     CHECK(file_is_folder(file_in(folder, "iftty-others")));
     CHECK(!folder_release(buf_text(&live)) && !folder_release(buf_text(&next)));
     folder_remove(buf_text(&kept));
     folder_remove(file_in(folder, "iftty-others"));
     folder_remove(file_in(folder, "iftty-link"));
-    CHECK_INT(files_in_folder(), 0);
+    CHECK_INT(count_names(folder, ""), 0);
 }
 
 /* Writing into a folder clears it; a loss of power leaves what another start of the machine did. */
@@ -233,7 +222,7 @@ STORY(drafts_of_a_former_start_go_and_those_of_another_machine_after_a_day)
     CHECK(utimensat(AT_FDCWD, other, days_ago, 0) == 0);
     file_sweep(folder);
     CHECK(!file_exists(other));
-    CHECK_INT(files_in_folder(), 0);
+    CHECK_INT(count_names(folder, ""), 0);
 }
 
 STORY(a_name_of_any_length_can_be_written)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The terminal after every way in which the program can end: a small shell starts it as a job in a
  * real pseudo-terminal, and checks the state of the terminal afterwards. */
-#include <dirent.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 
+#include "tests/folder.h"
 #include "tests/job.h"
 #include "tui/probe.h"
 #include "tui/term.h"
@@ -120,16 +120,15 @@ static bool see(const char *text, int ms)
 /* The first process of this name in the session; 0: none. A zombie counts. */
 static pid_t process_of(pid_t session, const char *name)
 {
-    DIR *folder = opendir("/proc");
+    OWNED(listing_release) DIR *folder = opendir("/proc");
     pid_t found = 0;
     for (struct dirent *entry; folder && !found && (entry = readdir(folder));) {
         char path[300], line[300] = "";
         snprintf(path, sizeof path, "/proc/%s/stat", entry->d_name);
+        OWNED(stream_release)
         FILE *file = *entry->d_name >= '0' && *entry->d_name <= '9' ? fopen(path, "r") : NULL;
         if (file && !fgets(line, sizeof line, file))
             *line = '\0';
-        if (file)
-            fclose(file);
         const char *open = strchr(line, '('), *end = strrchr(line, ')');
         int group, own;
         if (!open || !end || sscanf(end + 1, " %*c %*d %d %d", &group, &own) != 2)
@@ -138,8 +137,6 @@ static pid_t process_of(pid_t session, const char *name)
         if (own == session && length == strlen(name) && strncmp(open + 1, name, length) == 0)
             found = (pid_t)atol(entry->d_name);
     }
-    if (folder)
-        closedir(folder);
     return found;
 }
 
@@ -167,17 +164,11 @@ static bool ends_with(const char *end)
            strcmp(buf_text(&s.job.seen) + s.job.seen.length - length, end) == 0;
 }
 
-static int descriptors_of(pid_t process)
+static unsigned descriptors_of(pid_t process)
 {
     char path[64];
-    int count = 0;
     snprintf(path, sizeof path, "/proc/%d/fd", (int)process);
-    DIR *folder = opendir(path);
-    for (struct dirent *entry; folder && (entry = readdir(folder));)
-        count += *entry->d_name != '.';
-    if (folder)
-        closedir(folder);
-    return count;
+    return count_names(path, "");
 }
 
 /* The guardian may not be ready when its job is. Nothing is read meanwhile. */
@@ -245,12 +236,10 @@ STORY(the_guardian_holds_nothing_and_takes_no_signal)
     start_ready(HOLDS_A_LOCK);
     CHECK(descriptors_of(s.guardian) <= 4 && descriptors_of(s.job.process) > 4);
     snprintf(path, sizeof path, "/proc/%d/smaps_rollup", (int)s.guardian);
-    FILE *file = fopen(path, "r");
+    OWNED(stream_release) FILE *file = fopen(path, "r");
     while (file && fgets(line, sizeof line, file))
         if (strncmp(line, "Private_Dirty:", 14) == 0)
             dirty_kb = strtoul(line + 14, NULL, 10);
-    if (file)
-        fclose(file);
     printf("# the guardian has %lu kB of its own\n", dirty_kb);
     static const int signals[] = {SIGINT, SIGQUIT, SIGHUP, SIGTERM, SIGTSTP, SIGTTIN, SIGTTOU};
     for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++)

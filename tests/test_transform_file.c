@@ -58,7 +58,7 @@ static void check_refused(const char *text, const char *expected)
 /* Each line of the list has a file and three places mapped by ITK, in LPS. */
 STORY(files_of_itk_map_places_as_itk_does)
 {
-    FILE *list = fopen("tests/transforms/places.txt", "re");
+    OWNED(stream_release) FILE *list = fopen("tests/transforms/places.txt", "re");
     char name[64];
     double p[3], q[3];
     unsigned lines = 0;
@@ -79,8 +79,6 @@ STORY(files_of_itk_map_places_as_itk_does)
         lines++;
     }
     CHECK_INT(lines, 3 * 11);
-    if (list)
-        fclose(list);
 }
 
 #define TRANSFORM(kind, numbers, fixed)                                                            \

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The table of volume formats: each that is read has a fuzz target with a corpus that it reads, and
  * each that is written comes back as it was. */
-#include <dirent.h>
 
 #include "base/file.h"
 #include "image/volume.h"
@@ -46,7 +45,7 @@ static unsigned files_of(const struct proven *p, const struct volume_format *for
     char path[300];
     unsigned count = 0;
     snprintf(path, sizeof path, "tests/fuzz/corpus/%s", p->target);
-    DIR *listing = opendir(path);
+    OWNED(listing_release) DIR *listing = opendir(path);
     for (const struct dirent *entry; listing && (entry = readdir(listing));) {
         OWNED(buf_release) struct buf bytes = {0};
         snprintf(path, sizeof path, "tests/fuzz/corpus/%s/%s", p->target, entry->d_name);
@@ -54,8 +53,6 @@ static unsigned files_of(const struct proven *p, const struct volume_format *for
             count +=
                 !p->by_bytes || format->recognises((const uint8_t *)buf_text(&bytes), bytes.length);
     }
-    if (listing)
-        closedir(listing);
     OWNED(buf_release) struct buf targets = {0};
     snprintf(path, sizeof path, "{\"%s\", ", p->target);
     CHECK_INT(file_read(&targets, "tests/fuzz/targets.c", 1 << 20, NULL), OK);

@@ -57,11 +57,9 @@ static bool look(void *context, const char *what, uint64_t done, uint64_t total)
     int child;
     (void)context;
     snprintf(path, sizeof path, "/proc/%d/task/%d/children", getpid(), getpid());
-    FILE *file = fopen(path, "re");
+    OWNED(stream_release) FILE *file = fopen(path, "re");
     const size_t held = file && fscanf(file, "%d", &child) == 1 ? mem_held_by(child) : 0;
     held_most = held > held_most ? held : held_most;
-    if (file)
-        fclose(file);
     return watch_poll(console_watch(), what, done, total);
 }
 
