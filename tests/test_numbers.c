@@ -8,7 +8,7 @@
 #include "image/exr.h"
 #include "session/map.h"
 #include "session/markers.h"
-#include "tests/small_scene.h"
+#include "tests/scene_main.h"
 
 enum { LABELS = 6, ROUNDS = 25, STEPS = 30 };
 
@@ -210,13 +210,4 @@ NUMBER_STORY(labels_end_at_255)
     }
     is_refused(interp, "label 2000 more", "LABEL: 255 labels exist, and no more fit");
     must(interp, "label 1000 more number=2000; seed 2,2,2 2000; undo 3; label 1 one");
-}
-
-int main(void)
-{
-    if (!begin_folder())
-        return 1;
-    make_scene();
-    const int status = check_run();
-    return status | end_folder();
 }

@@ -303,18 +303,6 @@ BEGUN_STORY(a_turntable_shows_what_turning_shows, begin_with_object)
     CHECK_INT(count_names(".", "turn"), 4);
 }
 
-/* Compare the bytes of two files, and remove the second. */
-static bool same_file(const char *one, const char *other)
-{
-    OWNED(buf_release) struct buf a = {0}, b = {0};
-    const bool are_read =
-        file_read(&a, one, 1 << 24, NULL) == OK && file_read(&b, other, 1 << 24, NULL) == OK;
-    const bool same =
-        are_read && a.length == b.length && memcmp(buf_text(&a), buf_text(&b), a.length) == 0;
-    unlink(other);
-    return CHECK(same);
-}
-
 /* Pictures with colours alone, and with all planes, have the same bytes as when they are written
  * one by one, with their notes; and the record has all of them. */
 BEGUN_STORY(files_of_a_turntable_are_those_that_turning_writes, begin_with_object)
@@ -348,9 +336,9 @@ BEGUN_STORY(files_of_a_turntable_are_those_that_turning_writes, begin_with_objec
             snprintf(name[1], sizeof name[1], "alone.%s", row[i].ending);
             snprintf(line, sizeof line, "render %s", name[1]);
             must(interp, line);
-            if (!same_file(name[0], name[1]))
-                printf("# %s after %s\n", name[0], row[i].setting);
+            CHECK_WITH(file_holds_same(name[0], name[1]), "%s after %s", name[0], row[i].setting);
             unlink(name[0]);
+            unlink(name[1]);
             must(interp, "turn 120 0");
         }
     }
