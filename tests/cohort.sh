@@ -6,7 +6,6 @@
 . "$(dirname "$0")/lib.sh"
 private_mounts "$0"
 cohort=$top/examples/cohort
-cd "$work" || exit 1
 HOME=$work/home XDG_CACHE_HOME=$work/home XDG_CONFIG_HOME=$work/home
 SLURM_CONF=$work/slurm/slurm.conf
 PROCEDURE=$work/procedure/brain.iftty BIDS=$work/study OUT=$work/by-slurm COHORT=$cohort

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Helpers for the tests in shell: TAP, a temporary folder, the program. Source it with the working
-# folder at the top of the source: . tests/lib.sh
+# Helpers for the tests in shell: TAP, a temporary folder, which becomes the working folder, and the
+# program: . "$(dirname "$0")/lib.sh"
 #
 #     begin "name of the story"   start a story and end the former one, which prints
 #                                 "ok N - name", "not ok N - name" or, if a part of it could not
@@ -28,6 +28,7 @@ PYTHON=/usr/bin/python3 # which has Debian's modules
 work=$(mktemp -d "${TMPDIR:-/tmp}/iftty-test-XXXXXX") || exit 1
 trap 'chmod -R u+rwx "$work" 2>/dev/null; rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
+cd "$work" || exit 1
 
 story='' stories=0 bad_stories=0 failures=0 lacks=''
 
@@ -85,6 +86,7 @@ private_mounts() {
     [ "$(id -u)" = 0 ] && private=-m || private=-rm
     unshare $private true 2>/dev/null || return
     rmdir "$work"
+    cd "$top" || exit 1
     IFTTY_MOUNTS=yes exec unshare $private "$1"
 }
 can_mount() {

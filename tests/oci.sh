@@ -8,6 +8,7 @@ cd "$(dirname "$0")/.." || exit 1
 . tests/machine.sh
 own_mounts tests/oci.sh "$@"
 . tests/lib.sh
+cd "$top" || exit 1
 case $image in /*) ;; *) image=$top/$image ;; esac
 
 # crun requires control groups of one kind, but the test needs none.

@@ -6,6 +6,7 @@
 IFTTY_BUILD=$1
 static=$2
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 case $static in /*) ;; *) static=$top/$static ;; esac
 
 make --no-print-directory install BUILD="$build" DESTDIR="$work/stage" PREFIX=/opt/iftty \

@@ -3,6 +3,7 @@
 # Build HEAD in two folders, at two times, and compare every byte of the programs, the static file
 # and the packages. Prints TAP; runs for about ten minutes.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 
 unset SOURCE_DATE_EPOCH
 CCACHE_DISABLE=yes

@@ -5,6 +5,7 @@
 IFTTY_BUILD=$1
 static=$2
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 case $static in /*) ;; *) static=$top/$static ;; esac
 
 # A root with the file, /proc, and the examples with their scenes, and a place to write to.

@@ -3,6 +3,7 @@
 # Acts (src/command) read only parameters that their commands have in the table: another name would
 # abort the program, on a path that few tests may take.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 
 # Print a line for each name that an act, or a function it calls, requests but its command lacks;
 # then the number of requested names. The tree is at $1.

@@ -4,7 +4,6 @@
 # seeds, existing journals, untrusted files, and errors.
 . "$(dirname "$0")/lib.sh"
 phantom="$PYTHON $top/tests/apply/phantom.py"
-cd "$work" || exit 1
 $phantom scenes plain moved mirrored coarse oblique other far
 seeds='seed 28,28,24 1 radius=5; seed 48,33,24 2 radius=2; seed 5,5,5 0 radius=2'
 marks='landmark A 28,28,24; landmark B 48,33,24; landmark C 28,42,30; landmark D 20,28,38'

@@ -3,7 +3,6 @@
 # Atlases whose regions are no labels, their tables of names, and seeds that are saved and planted
 # again.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 {
     nifti_header 24 20 16 512 16

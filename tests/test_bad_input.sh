@@ -4,7 +4,6 @@
 # without escape sequences and without new files.
 . "$(dirname "$0")/lib.sh"
 private_mounts "$0"
-cd "$work" || exit 1
 mkdir field
 cd field || exit 1
 full=$work/full

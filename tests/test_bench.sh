@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # The benchmarks as programs: their output in each form, and their errors. No time is checked.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 bench=$build/tests/bench/bench
 balanced() { # the brackets of the output
     same "$(tr -cd '{[' <"$work/out" | wc -c)" "$(tr -cd '}]' <"$work/out" | wc -c)"

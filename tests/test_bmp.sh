@@ -3,7 +3,6 @@
 # Folders of BMP slices, as scanners of small animals write them: grey of 8 bits is read, from the
 # bottom and from the top; other files are refused by name, with a converter.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 
 begin "slices of each kind, and their voxels"
 "$PYTHON" -W ignore - <<'END' || fail "no slices"

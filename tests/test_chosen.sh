@@ -3,7 +3,6 @@
 # One volume of a map with several: layers of a .seg.nrrd, a NIfTI of one mask for each label, HDF5.
 # Each command and program that reads a map accepts a choice, records it, and lists the choices.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 
 begin "maps of two volumes, and each volume as a separate file"
 "$PYTHON" -W ignore - <<'END' 2>err || fail "$(cat err)"

@@ -4,7 +4,6 @@
 # Engines, and tasks that are killed for good, are `make test-cohort`.
 . "$(dirname "$0")/lib.sh"
 cohort=$top/examples/cohort
-cd "$work" || exit 1
 mkdir -p study/sub-01/anat store
 make_scene s.nii 24 20 16
 put s.nii 254 '\001\000' # the place of its voxels: the millimetres are their numbers

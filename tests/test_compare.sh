@@ -4,7 +4,6 @@
 # CSV; the picture shows the differences; and other maps are rejected. tests/test_comparison.c
 # compares the measures with a slow computation, and tests distances.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
 # Segmentations of two people, voxels of 1 x 1 x 1 mm.

@@ -4,7 +4,6 @@
 # that was killed or cut at any byte continues when it is repeated, and its journal is in the end
 # that of one which was not, byte for byte. test_kill kills sessions at random moments.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
 commands() { # 200 of them

@@ -3,7 +3,6 @@
 # iftty diff: where two journals part, how far their labels differ, the picture of it, and that a
 # journal is trusted no more than by verify. The pure parts are in tests/test_diff.c.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
 # record JOURNAL COMMANDS: the common commands, and these

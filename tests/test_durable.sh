@@ -4,7 +4,6 @@
 # command, and continues in another file.
 . "$(dirname "$0")/lib.sh"
 private_mounts "$0"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
 # A session whose commands are written one after the other: begin_session ARGUMENTS..., tell LINE,

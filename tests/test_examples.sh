@@ -3,6 +3,7 @@
 # Every example journal verifies, digest for digest and pixel for pixel; the READMEs list the
 # commands of the program, and the commands in them work.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 
 can_open() { # SCENE [OPTION...]
     file=${1%% *}

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # The outlines of letters equal those of the font, and the table is the output of its script.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 
 begin "the table of outlines equals its script's output for the font"
 if ! "$PYTHON" -c 'import fontTools' 2>/dev/null; then

@@ -3,7 +3,6 @@
 # The finish for users: a setting that is recorded, undone and resumed, whose result is in the
 # records and checked by verify.
 . tests/lib.sh
-cd "$work" || exit 1
 make_scene scene.nii 30 24 20
 
 cat >script <<'END'

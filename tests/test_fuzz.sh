@@ -3,6 +3,7 @@
 # The fuzz targets over their corpora: each file whole, cut, and changed in a few bytes.
 # IFTTY_TEST_SCALE above 1, as in `make test-long`, has as many times the changes.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 
 for folder in tests/fuzz/corpus/*; do
     begin "bytes for the reader of: ${folder##*/}"

@@ -3,7 +3,6 @@
 # Facts about the place that a file does not state are unknown in every answer and picture, until
 # the user states them.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 cp "$top"/tests/journals/*.nii.gz .
 
 sides="his |patient's|left|front|back|head|feet|superior|anterior|axial|coronal|sagittal"

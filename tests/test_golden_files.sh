@@ -3,7 +3,6 @@
 # Files next to a journal of somebody else: none outside its folder is listed, removed or replaced,
 # and in its folder only files that its records can have made.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 put s.nii 254 '\001' # it has a place in the world, and pictures a camera
 for at in 280 300 320; do put s.nii $at '\000\000\200\077'; done

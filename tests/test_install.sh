@@ -3,6 +3,7 @@
 # What `make install` puts where: a tree that works wherever it was moved to, pages that groff and
 # mandoc set without a word, completions that the shells themselves take, and nothing left of it.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 
 stage=$work/stage
 mkdir "$stage"

@@ -3,7 +3,6 @@
 # A run that was interrupted is repeated: it goes on after the last record where script and journal
 # are of one run, and adds nothing where they are not. tests/test_crash.sh kills it.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 
 begin "an interrupted run continues after its last record of any kind"
 mkdir again

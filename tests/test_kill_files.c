@@ -129,15 +129,24 @@ static bool kill_at(unsigned step, unsigned *acknowledged)
 
 /* ---- what it leaves ---- */
 
+static const char *in(const char *where, const char *name)
+{
+    static char path[4][PATH_LENGTH + 8];
+    static unsigned next;
+    char *at = path[next++ % 4];
+    snprintf(at, sizeof path[0], "%s%s", where, name);
+    return at;
+}
+
 static bool is_same(const char *name, const char *wanted)
 {
-    return file_holds_same(file_in(HERE, name), file_in(WHOLE, wanted));
+    return file_holds_same(in(HERE, name), in(WHOLE, wanted));
 }
 
 static bool is_picture(const char *name)
 {
     OWNED(picture_release) struct picture picture = {0};
-    return exr_read(&picture, file_in(HERE, name), NULL) == OK;
+    return exr_read(&picture, in(HERE, name), NULL) == OK;
 }
 
 /* How many drafts are in a folder ("" or "NAME/"), whose other files are whole. */
@@ -145,14 +154,14 @@ static unsigned look_through(const char *below)
 {
     unsigned drafts = 0;
     char name[PATH_LENGTH];
-    OWNED(listing_release) DIR *listing = opendir(file_in(HERE, below));
+    OWNED(listing_release) DIR *listing = opendir(in(HERE, below));
     for (const struct dirent *entry; listing && (entry = readdir(listing));) {
         snprintf(name, sizeof name, "%s%s", below, entry->d_name);
         if (*entry->d_name == '.') {
             drafts += strncmp(entry->d_name, ".iftty-", 7) == 0;
             continue;
         }
-        if (strcmp(name, "j.iftty") == 0 || file_is_folder(file_in(HERE, name)))
+        if (strcmp(name, "j.iftty") == 0 || file_is_folder(in(HERE, name)))
             continue;
         if (strcmp(name, "map.nii.gz") == 0)
             CHECK(is_same(name, "before.nii.gz") || is_same(name, "after.nii.gz"));
@@ -199,7 +208,7 @@ static void has_goldens(void)
         images += *entry->d_name != '.';
     for (const char *name = at; name < end; name += strlen(name) + 1) {
         snprintf(path, sizeof path, "j.golden/%s", name);
-        CHECK(file_exists(file_in(HERE, path)));
+        CHECK(file_exists(in(HERE, path)));
         const char *again = at;
         while (strcmp(again, name) != 0)
             again += strlen(again) + 1;

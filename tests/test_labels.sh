@@ -4,7 +4,6 @@
 # goes with the journal, and is believed no more than the digest that the command records. What
 # markers are made is in tests/test_labels.c.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 "$iftty" -c 'open s.nii; seed 2,3,4 0; seed 6,10,8 1; seed 20,10,8 2; run; save labels model.nii' \
     >/dev/null || fail "cannot segment"

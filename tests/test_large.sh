@@ -3,7 +3,6 @@
 # Large scenes, and long commands: what is announced and refused before anything is loaded, how far
 # things are, and Ctrl-C at any moment.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 
 free_gb=$(awk '/^MemAvailable/ { print int($2 / 1000000) }' /proc/meminfo)
 

@@ -5,6 +5,7 @@
 # commands, no more of the patterns of tests/words.txt than a room may have. `test_layout.sh count`
 # prints the counts alone, `test_layout.sh words [ROOM]` each place of a pattern.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 
 law=$top/tests/layout.txt
 

@@ -4,7 +4,6 @@
 # inside multiplexers; and progress of long work.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/tmux.sh"
-cd "$work" || exit 1
 half_block=$(printf '\342\226\200')
 make_scene s.nii 24 20 16
 begin_terminal

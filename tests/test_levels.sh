@@ -4,7 +4,6 @@
 # few that are far from the others, ranges against numpy, records, and journals of before.
 . "$(dirname "$0")/lib.sh"
 unset IFTTY_SCENES
-cd "$work" || exit 1
 out_lacks() { # a fixed string
     ! grep -qF -e "$1" "$work/out" || fail "'$1' is in the output:" "$(grep -F -e "$1" "$work/out")"
 }

@@ -5,7 +5,6 @@
 # as teem and nibabel read them, and the journal's copy holds them. Regions that are kept, and
 # crops.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
 # Maps of the labels 4 and 300, at 9,5,3 to 12,8,6 and 15,5,3 to 18,8,6, in each format, and one of

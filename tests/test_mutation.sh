@@ -5,6 +5,7 @@
 # and of what was built there, so that one constant costs the files that see it. IFTTY_TEST_SCALE
 # above 1, as in `make test-long`, has all of them instead of two.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 
 # ---- the data ----
 

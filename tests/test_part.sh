@@ -3,7 +3,6 @@
 # Parts of files as scenes: their records, resumed sessions, saved files, and maps of the whole
 # file. The voxels of a part are tested in test_part.c.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 gzip -k s.nii
 crop='crop=4-19,2-17,3-12'

@@ -3,7 +3,6 @@
 # Pictures in every format, as other programs see them: exrheader, oiiotool and idiff must agree
 # with us about channels, sizes, notes and pixels. And `iftty info`, which reads them back.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 
 begin "pictures as other programs see them"
 needs exrheader oiiotool idiff || finish

@@ -3,7 +3,6 @@
 # The pilot as a user sees it: keys in a real terminal (tmux, 80x24), the screen after them, and the
 # commands that the journal records.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 . "$top/tests/tmux.sh"
 
 make_scene u.nii 24 20 16 # without an orientation,

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: MIT
 # The command line: run, -c, replay, verify, log, their exit statuses, and edited journals.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 scene=$work/s.nii
 

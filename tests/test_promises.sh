@@ -4,7 +4,6 @@
 # program with --json, reports, and the protocol of `iftty serve`. test_promises has the other
 # promised names. Lines are added to that file, and never removed.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 promises=$top/tests/promises.txt
 
 # words_of NAME FILE: a line for each key of a document, or of each document that is a line: "json

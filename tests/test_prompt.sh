@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: MIT
 # The prompt as a user sees it: keys in a real terminal (tmux, 80x24), and the screen after them.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 . "$top/tests/tmux.sh"
 
 half_block=$(printf '\342\226\200')

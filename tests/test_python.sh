@@ -3,7 +3,6 @@
 # The client in Python, and JSON compared with its schemas. Only Debian's Python has Debian's
 # modules.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 PYTHONDONTWRITEBYTECODE=1
 IFTTY=$iftty
 TMPDIR=$work/passing

@@ -3,7 +3,6 @@
 # Maps whose axes are the scene's in another order, or run the other way, as nibabel reorders them:
 # the same place, so the same voxels, without a question. Scene and maps are oblique.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 
 begin "a scene, and three maps of it in each of the 48 orders of axes, by nibabel"
 "$PYTHON" -W ignore - 2>err <<'END' || fail "$(cat err)"

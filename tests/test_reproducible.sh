@@ -3,6 +3,7 @@
 # A build depends on the source and the tools, not on its folder or its time: a sample of it.
 # `make test-reproducible` compares whole programs and packages.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 
 begin "builds in two folders have the same bytes"
 parts="src/main src/base/hash journal/journal src/helper/volume_answer"

@@ -3,7 +3,6 @@
 # Saved maps as other people's programs read them: NRRD by teem's unu, with the voxels and the place
 # that the same map has as NIfTI.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 start='seed 2,3,4 0; seed 6,10,8 1; seed 20,10,8 7; label 7 "left lobe" #40c060; label 9 nothing'
 

@@ -4,7 +4,6 @@
 # of its time. Each is verified and continued under its own meaning. Other numbers are refused.
 . "$(dirname "$0")/lib.sh"
 journals=$top/tests/journals
-cd "$work" || exit 1
 cp "$journals"/*.nii.gz "$journals/names.ctab" .
 first=12
 current=$("$iftty" info | sed -n 's/^semantics //p')

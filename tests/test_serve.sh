@@ -3,7 +3,6 @@
 # `iftty serve`: a session that another program drives. Its journal equals that of the same commands
 # at the prompt; cancelled, refused and truncated requests leave nothing behind.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 mkdir passing
 TMPDIR=$work/passing # where the folders of sessions are

@@ -4,7 +4,6 @@
 # resumed, and all but context are undone; occlusion and creases of `shade` are kept when edits are
 # undone. Pictures change with them, and their journals verify.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 
 cat >scene <<'END'
 open synth:geom:40x36x30

@@ -3,7 +3,6 @@
 # `stats` through the program: its text, its reports, finished labels, and the change by the last
 # edit compared with counts before and after it. tests/test_stats.c tests the counting itself.
 . tests/lib.sh
-cd "$work" || exit 1
 make_scene scene.nii 30 24 20
 
 field() { # FILE LABEL NAME: from a report in CSV

@@ -3,7 +3,6 @@
 # A strict verification fails on incomplete evidence, and is the default if CI is set; the line of a
 # journal that passes lists the comparisons.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 "$iftty" -c 'open s.nii; seed 2,3,4 1; seed 6,10,8 2 radius=1; run; size 40 30; view 30 20
     golden first; render; seed 20,10,8 3; run' --journal j.iftty >/dev/null || exit 1

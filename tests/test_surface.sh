@@ -3,6 +3,7 @@
 # Surfaces in files, read by another program: closed, in world millimetres for any affine map of the
 # scene, with the volume of the voxels, and the same after a replay.
 . "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 
 # oblique FILE ROW ROW ROW: gives a scene of make_scene these rows of an sform
 oblique() {

@@ -3,7 +3,6 @@
 # Series of a scanner whose gantry leans, made by pydicom, and sheared sforms, by nibabel: a ball in
 # the world has its volume, its surface and its place, on slices as they are and straightened.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 
 cat >make.py <<'END'
 """make.py TESTS: leans/, steep/ and plain/, series of a ball; leans.nii, the same.

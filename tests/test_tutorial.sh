@@ -4,7 +4,6 @@
 # a step is complete by its result, the reason is shown before, the lesson can be resumed, and
 # nothing but its journal is left behind.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 . "$top/tests/tmux.sh"
 
 IFTTY_CONFIG= IFTTY_HISTORY=$work/history

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: MIT
 # iftty verify: its comparisons, its messages about differences, and its reports.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
 # record JOURNAL: nine records, of which the seventh and the last are golden images

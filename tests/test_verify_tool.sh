@@ -3,7 +3,6 @@
 # iftty verify as a test tool: folders, parts of many journals, an early end, timings, orphans
 # removed, and which journal is meant.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 make_scene s.nii 24 20 16
 
 record() { # JOURNAL LABEL

@@ -3,7 +3,6 @@
 # Watching a journal: keys in a real terminal (tmux, 80x24), and journals of strangers, which write
 # nothing, read no other files, and stay within their limits.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 . "$top/tests/tmux.sh"
 
 make_scene s.nii 24 20 16

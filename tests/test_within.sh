@@ -3,7 +3,6 @@
 # Corrections that end within a distance, by commands: planted, explained, undone, recorded,
 # resumed, written to a list and read again; and errors.
 . "$(dirname "$0")/lib.sh"
-cd "$work" || exit 1
 open='open synth:geom:40x40x40'
 
 begin "a tree ends at the reach of its seed, and voxels out of all reaches are counted"
