@@ -108,15 +108,20 @@ static void save_packed(const char *path, const void *bytes, size_t length)
     gzclose(file);
 }
 
-/* Read the bytes as a plain file; a refusal fails the story. */
-static struct volume read_made(const struct made *m)
+/* Read a file; a refusal fails the story. */
+static struct volume read_back(const char *path)
 {
     struct volume v;
     struct fault fault = {0};
-    save(plain, m->bytes, m->length);
-    CHECK_INT(volume_read(&v, plain, NULL, NULL, &fault), OK);
+    CHECK_INT(volume_read(&v, path, NULL, NULL, &fault), OK);
     CHECK_TEXT(fault.text, "");
     return v;
+}
+
+static struct volume read_made(const struct made *m)
+{
+    save(plain, m->bytes, m->length);
+    return read_back(plain);
 }
 
 static const char *refusal_of(const char *path)
@@ -331,13 +336,9 @@ STORY(nifti_2_is_read_in_both_byte_orders)
 /* The same as a pair, read by its header. */
 static struct volume read_pair(const struct made *m, size_t begin)
 {
-    struct volume v;
-    struct fault fault = {0};
     save("a.hdr", m->bytes, 348);
     save("a.img", m->bytes + begin, m->length - begin);
-    CHECK_INT(volume_read(&v, "a.hdr", NULL, NULL, &fault), OK);
-    CHECK_TEXT(fault.text, "");
-    return v;
+    return read_back("a.hdr");
 }
 
 STORY(a_pair_is_what_the_single_file_is)
@@ -587,9 +588,8 @@ STORY(a_format_is_known_by_content_or_by_name)
     m.bytes[DATA + 7] = 47;
     for (int i = 0; i < 3; i++) {
         const char *path = i < 2 ? other : plain;
-        OWNED(volume_release) struct volume v;
         (i == 0 ? save : save_packed)(path, m.bytes, m.length);
-        CHECK_INT(volume_read(&v, path, NULL, NULL, NULL), OK);
+        OWNED(volume_release) struct volume v = read_back(path);
         CHECK(v.intensity && v.intensity[7] == 47);
     }
     save(other, "x,y,z,label\n", 12);
@@ -756,9 +756,8 @@ STORY(a_gzip_bomb_is_inflated_no_further_than_its_voxels)
     for (int i = 0; i < 100; i++)
         gzwrite(file, zeros, sizeof zeros);
     gzclose(file);
-    OWNED(volume_release) struct volume v;
-    CHECK_INT(volume_read(&v, packed, NULL, NULL, NULL),
-              OK); /* the first voxels are fine; nothing more is read */
+    OWNED(volume_release)
+    struct volume v = read_back(packed); /* the first voxels are fine; nothing more is read */
 }
 
 STORY(words_of_the_file_never_reach_the_terminal)
@@ -872,9 +871,8 @@ STORY(maps_come_back_as_they_were_written)
         for (int zip = 0; zip < 2; zip++) {
             const enum voxel_type type = wide ? VOXEL_UINT16 : VOXEL_UINT8;
             const char *path = zip ? packed : plain;
-            OWNED(volume_release) struct volume v;
             CHECK_INT(write_sample(path, size, &plain_geometry, type, FILE_REPLACE, NULL), OK);
-            CHECK_INT(volume_read(&v, path, NULL, NULL, NULL), OK);
+            OWNED(volume_release) struct volume v = read_back(path);
             for (uint32_t i = 0; i < 37 * 11 * 5; i++) {
                 uint32_t e = value_at(i % 37, i / 37 % 11, i / 37 / 11);
                 CHECK_INT(v.intensity[i], wide ? (uint16_t)e : (uint8_t)e);
@@ -955,8 +953,7 @@ STORY(a_quaternion_longer_than_1_is_normalised_on_saving)
         const double square = (double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2];
         CHECK(square < 1 + 3e-7);
         CHECK(i < 4 || memcmp(q, given[i], sizeof q) == 0); /* a rounded one is not changed */
-        OWNED(volume_release) struct volume again;
-        CHECK_INT(volume_read(&again, plain, NULL, NULL, NULL), OK);
+        OWNED(volume_release) struct volume again = read_back(plain);
         CHECK(geometry_apart(&v.geometry, &again.geometry, size) < 1e-5);
     }
 }
@@ -1036,9 +1033,8 @@ STORY(a_sheared_matrix_is_kept_by_the_sform_alone)
 STORY(a_side_too_long_for_nifti_1_makes_nifti_2)
 {
     static const uint32_t size[3] = {40000, 2, 1};
-    OWNED(volume_release) struct volume v;
     CHECK_INT(write_sample(packed, size, &plain_geometry, VOXEL_UINT16, FILE_REPLACE, NULL), OK);
-    CHECK_INT(volume_read(&v, packed, NULL, NULL, NULL), OK);
+    OWNED(volume_release) struct volume v = read_back(packed);
     CHECK_INT(v.size[0], 40000);
     CHECK(v.intensity && v.intensity[79999] == (uint16_t)value_at(39999, 1, 0));
 }
