@@ -194,8 +194,9 @@ static void print_way(struct bench_way *way)
            "");
 }
 
-static void write_way(struct json *json, struct bench_way *way)
+static void write_way(struct bench_way *way)
 {
+    struct json *json = bench_json();
     json_object(json, NULL);
     json_text(json, "scene", way->scene);
     json_count(json, "voxels", way->voxels);
@@ -226,10 +227,7 @@ enum err run_brain(const struct options *o, struct fault *fault)
     must(err);
     must(session_open(interp.session, buf_text(&path), NULL, &bench_fault));
     time_session(&interp, way);
-    if (o->json)
-        write_way(bench_json(), way);
-    else
-        print_way(way);
+    (o->json ? write_way : print_way)(way);
     return OK;
 }
 
@@ -417,8 +415,9 @@ static void print_costs(const struct costs *costs)
     }
 }
 
-static void write_costs(struct json *json, const struct costs *costs)
+static void write_costs(const struct costs *costs)
 {
+    struct json *json = bench_json();
     json_object(json, NULL);
     json_text(json, "journal", costs->journal);
     for (int i = 0; i < PICTURES; i++) {
@@ -449,9 +448,6 @@ enum err run_terminal(const struct options *o, struct fault *fault)
     must(interpreter_resume_journal(&interp, buf_text(&journal), &lines_of_it, &bench_fault));
     time_painter(interp.session, &costs);
     costs.journal = file_name(buf_text(&journal));
-    if (o->json)
-        write_costs(bench_json(), &costs);
-    else
-        print_costs(&costs);
+    (o->json ? write_costs : print_costs)(&costs);
     return OK;
 }

@@ -207,8 +207,9 @@ static void print_table(struct table *t)
         printf("%-60s %9.2f\n", t->vtk.row[i].what, t->vtk.row[i].ms);
 }
 
-static void write_table(struct json *json, struct table *t)
+static void write_table(struct table *t)
 {
+    struct json *json = bench_json();
     static const char *const name[] = {"one_ms", "one_processors_ms", "all_ms",
                                        "all_processors_ms"};
     json_object(json, NULL);
@@ -285,9 +286,6 @@ enum err run_frames(const struct options *o, struct fault *fault)
     time_turntable(table); /* a process counts what the one it forked from held */
     time_session("examples/brain.iftty", table, time_brain);
     time_session("examples/head.iftty", table, time_head);
-    if (o->json)
-        write_table(bench_json(), table);
-    else
-        print_table(table);
+    (o->json ? write_table : print_table)(table);
     return OK;
 }

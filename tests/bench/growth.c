@@ -137,8 +137,9 @@ static void print_table(struct growth *growth, size_t scenes)
     }
 }
 
-static void write_table(struct json *json, struct growth *growth, size_t scenes)
+static void write_table(struct growth *growth, size_t scenes)
 {
+    struct json *json = bench_json();
     json_object(json, NULL);
     json_count(json, "rounds", ROUNDS);
     json_count(json, "seeds", BALL_VOXELS);
@@ -198,10 +199,7 @@ enum err run_growth(const struct options *o, struct fault *fault)
         for (size_t i = 0; i < 2 * scenes; i++)
             time_edit(growth + i / 2, i % 2, round < 0 ? 0 : round);
     }
-    if (o->json)
-        write_table(bench_json(), growth, scenes);
-    else
-        print_table(growth, scenes);
+    (o->json ? write_table : print_table)(growth, scenes);
     for (size_t i = 0; i < scenes; i++) {
         border_release(&growth[i].border);
         forest_free(growth[i].forest);

@@ -197,8 +197,9 @@ static void print_table(const struct figures *f)
     printf("    %-44s %10.1f  ms\n", "resumed", f->resume.resume_ms);
 }
 
-static void write_figures(struct json *json, const struct figures *f)
+static void write_figures(const struct figures *f)
 {
+    struct json *json = bench_json();
     json_object(json, NULL);
     json_count(json, "records", RECORDS);
     json_fixed(json, "encode_ms", f->encode_ms, 3);
@@ -247,9 +248,6 @@ enum err run_journal(const struct options *o, struct fault *fault)
     const char *last = file_name(buf_text(&path));
     buf_add_safe(&name, last, strlen(last));
     snprintf(f.name, sizeof f.name, "%s", buf_text(&name));
-    if (o->json)
-        write_figures(bench_json(), &f);
-    else
-        print_table(&f);
+    (o->json ? write_figures : print_table)(&f);
     return OK;
 }

@@ -417,8 +417,9 @@ static void add_keys(struct json *json, const char *name, const struct key_figur
     json_end(json);
 }
 
-static void write_figures(struct json *json, struct figures *f)
+static void write_figures(struct figures *f)
 {
+    struct json *json = bench_json();
     json_object(json, NULL);
     json_text(json, "scene", file_name(buf_text(&f->scene)));
     for (int m = 0; m < MOMENTS; m++) {
@@ -458,10 +459,7 @@ enum err run_keys(const struct options *o, struct fault *fault)
         time_start(&f);
     time_pilot(&f);
     stored_read(&f);
-    if (o->json)
-        write_figures(bench_json(), &f);
-    else
-        print_table(&f);
+    (o->json ? write_figures : print_table)(&f);
     buf_release(&stored);
     buf_release(&f.journal);
     buf_release(&f.scene);

@@ -406,8 +406,9 @@ static void print_table(struct table *t, const struct session *session)
     }
 }
 
-static void write_table(struct json *json, struct table *t, const struct session *session)
+static void write_table(struct table *t, const struct session *session)
 {
+    struct json *json = bench_json();
     json_object(json, NULL);
     json_text(json, "scene", "ch2");
     json_count(json, "border_voxels", border_count(&session->border));
@@ -492,9 +493,6 @@ enum err run_render(const struct options *o, struct fault *fault)
         add_row(table, what);
         table->row[table->rows - 1].only_ms = vtk.row[i].ms;
     }
-    if (o->json)
-        write_table(bench_json(), table, session);
-    else
-        print_table(table, session);
+    (o->json ? write_table : print_table)(table, session);
     return OK;
 }
