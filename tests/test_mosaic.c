@@ -146,8 +146,7 @@ STORY(a_pixel_of_the_pane_is_what_samples_come_to)
     const struct slice_style style = plain_style();
     const struct mosaic_choice choice = {.background = BACKGROUND_WHITE};
     OWNED(rendition_release)
-    struct rendition r = noisy_rendition(21, 21),
-                     fine = black_rendition(20, 20), reduced = {0};
+    struct rendition r = noisy_rendition(21, 21), fine = black_rendition(20, 20), reduced = {0};
     uint64_t seed = 3;
     for (uint32_t y = 0; y < 20; y++)
         for (uint32_t x = 0; x < 20; x++) {
