@@ -91,6 +91,17 @@ static inline void check_register(struct story *story)
     }                                                                                              \
     static void story_##told(void)
 
+/* Define a story with a statement before and one after it. */
+#define STORY_WITHIN(told, begin, end)                                                             \
+    static void told_##told(void);                                                                 \
+    STORY(told)                                                                                    \
+    {                                                                                              \
+        begin;                                                                                     \
+        told_##told();                                                                             \
+        end;                                                                                       \
+    }                                                                                              \
+    static void told_##told(void)
+
 /* Functions that are called before and after each story, or NULL. */
 static void (*check_before)(void), (*check_after)(void);
 #define EACH_STORY(begin, end)                                                                     \

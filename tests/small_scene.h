@@ -77,14 +77,7 @@ static inline void begin_with_journal(struct interpreter *interp, const char *na
 
 /* Define a story in which the file's `interp` begins with the scene in a new journal. */
 #define JOURNAL_STORY(told, journal)                                                               \
-    static void told_##told(void);                                                                 \
-    STORY(told)                                                                                    \
-    {                                                                                              \
-        begin_with_journal(&interp, journal);                                                      \
-        told_##told();                                                                             \
-        interpreter_release(&interp);                                                              \
-    }                                                                                              \
-    static void told_##told(void)
+    STORY_WITHIN(told, begin_with_journal(&interp, journal), interpreter_release(&interp))
 
 /* Begin again, with the commands of a journal. */
 static inline void resume_journal(struct interpreter *interp, const char *name)

@@ -44,15 +44,7 @@ static void make_journal(void)
 }
 
 /* Define a story about that journal. */
-#define JOURNAL_STORY(told)                                                                        \
-    static void told_##told(void);                                                                 \
-    STORY(told)                                                                                    \
-    {                                                                                              \
-        make_journal();                                                                            \
-        told_##told();                                                                             \
-        buf_release(&journal);                                                                     \
-    }                                                                                              \
-    static void told_##told(void)
+#define JOURNAL_STORY(told) STORY_WITHIN(told, make_journal(), buf_release(&journal))
 
 /* Walks bytes that may not be read behind their end: a copy of their exact size tells ASan. */
 struct outcome {

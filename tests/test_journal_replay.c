@@ -81,15 +81,7 @@ static void replay(struct adder adder, enum err err, enum replay_outcome outcome
 
 /* Define a story about the journal. */
 #define JOURNAL_STORY(told)                                                                        \
-    static void told_##told(void);                                                                 \
-    STORY(told)                                                                                    \
-    {                                                                                              \
-        make_journal();                                                                            \
-        told_##told();                                                                             \
-        replay_report_release(&report);                                                            \
-        buf_release(&journal);                                                                     \
-    }                                                                                              \
-    static void told_##told(void)
+    STORY_WITHIN(told, make_journal(), (replay_report_release(&report), buf_release(&journal)))
 
 JOURNAL_STORY(a_replay_reproduces_every_word)
 {
@@ -287,14 +279,7 @@ static void compare(const struct picture *actual)
 
 /* Define a story about such differences. */
 #define GOLDEN_STORY(told)                                                                         \
-    static void told_##told(void);                                                                 \
-    STORY(told)                                                                                    \
-    {                                                                                              \
-        told_##told();                                                                             \
-        golden_difference_release(&d);                                                             \
-        buf_release(&words);                                                                       \
-    }                                                                                              \
-    static void told_##told(void)
+    STORY_WITHIN(told, (void)0, (golden_difference_release(&d), buf_release(&words)))
 
 GOLDEN_STORY(equal_pictures_are_the_same)
 {

@@ -17,6 +17,7 @@ static void begin(void)
     begin_interpreter(&interp);
     must(&interp, "open synth:geom:32x32x32; cross 12,14,9");
 }
+#define OUTLINE_STORY(told) STORY_WITHIN(told, begin(), interpreter_release(&interp))
 
 static void draw(struct panes *panes, const struct pilot_wish *mark)
 {
@@ -59,7 +60,7 @@ static void compare(const struct panes *with, const struct panes *without, enum 
         }
 }
 
-STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
+OUTLINE_STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
 {
     static const uint32_t corner[][3] = {{4, 5, 9}, {20, 6, 9}, {22, 18, 9}, {9, 24, 9}};
     static const uint8_t colour[3] = {250, 10, 130};
@@ -68,7 +69,6 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
     struct panes with = {0}, without = {0};
     OWNED(voxels_release) struct voxels inside = {0};
     unsigned dots, others, all = 0;
-    begin();
     must(&interp, "label 7 outline #fa0a82");
     const struct scene *scene = interp.session->scene;
     CHECK(paint_polygon(&inside, &scene->grid, corner, 4, NULL, NULL) == OK);
@@ -96,7 +96,6 @@ STORY(what_an_outline_encloses_is_dotted_in_its_slice_alone)
     draw(&with, &mark);
     panes_release(&with);
     panes_release(&without);
-    interpreter_release(&interp);
 }
 
 /* Find an outline at a place: return its marker, or -1, and the number of corners. */
@@ -111,12 +110,11 @@ static int find(unsigned label, enum pilot_pane pane, const uint32_t place[3], s
     return found ? (int)marker : -1;
 }
 
-STORY(the_outline_of_a_marker_comes_before_the_border_of_its_label)
+OUTLINE_STORY(the_outline_of_a_marker_comes_before_the_border_of_its_label)
 {
     static const uint32_t here[3] = {12, 14, 9}, beside[3] = {25, 14, 9}, below[3] = {12, 14, 8},
                           far[3] = {31, 31, 9};
     size_t corners;
-    begin();
     CHECK_INT(find(1, PILOT_AXIAL, here, &corners), -1); /* no voxel has the label */
     must(&interp, "seed 12,14,9 1 radius=4; seed 2,2,2 0; run");
     CHECK_INT(find(1, PILOT_AXIAL, here, &corners), 0);
@@ -133,15 +131,13 @@ STORY(the_outline_of_a_marker_comes_before_the_border_of_its_label)
     CHECK_INT(find(1, PILOT_AXIAL, here, &corners), 5); /* the latest */
     must(&interp, "undo");
     CHECK_INT(find(1, PILOT_AXIAL, here, &corners), 3);
-    interpreter_release(&interp);
 }
 
-STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
+OUTLINE_STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
 {
     OWNED(buf_release) struct buf words = {0};
     enum pilot_pane pane;
     uint32_t place[3];
-    begin();
     must(&interp, "finish relax");
     CHECK(!host.doubt(&pilot, 0, 1, &pane, place, &words));
     CHECK(!host.doubt(&pilot, 1, 1, &pane, place, &words));
@@ -167,11 +163,10 @@ STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_one)
     must(&interp, "run");
     for (unsigned rank = 1; host.doubt(&pilot, 1, rank, &pane, place, &words); rank++)
         CHECK(pane != first || place[axis] != at);
-    interpreter_release(&interp);
 }
 
 /* The rendition in a large pane has more pixels than the view, also before it is drawn. */
-STORY(a_pixel_of_the_rendition_is_one_of_its_pane)
+OUTLINE_STORY(a_pixel_of_the_rendition_is_one_of_its_pane)
 {
     static const char *const lines[] = {"size 16 16", "size 40 20", "size 512 512",
                                         "size 16 16; render"};
@@ -180,7 +175,6 @@ STORY(a_pixel_of_the_rendition_is_one_of_its_pane)
     struct pilot_facts facts;
     struct image_view view;
     uint32_t place[3];
-    begin();
     must(&interp, "seed 12,14,9 1; run");
     CHECK(host.picture(&pilot, &wish, &view, NULL) == OK); /* as large as the pane will be */
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
@@ -194,5 +188,4 @@ STORY(a_pixel_of_the_rendition_is_one_of_its_pane)
         CHECK(host.voxel_of_frame(&pilot, middle[0], middle[1], place));
     }
     panes_release(&pilot.panes);
-    interpreter_release(&interp);
 }

@@ -238,6 +238,10 @@ static const char *quit(void)
     unlink("history");
     return text;
 }
+/* Define a story that leaves the program. */
+#define QUIT_STORY(told) STORY_WITHIN(told, (void)0, quit())
+/* Define a story at the prompt. */
+#define PROMPT_STORY(told) STORY_WITHIN(told, start_at_prompt(), quit())
 
 /* ---- stories ---- */
 
@@ -272,9 +276,8 @@ STORY(a_line_is_typed_mended_and_carried_out)
     CHECK_HAS(text, "\nseed 20,20,15 1\n");
 }
 
-STORY(a_hint_is_grey_moves_on_and_never_gets_into_the_line)
+PROMPT_STORY(a_hint_is_grey_moves_on_and_never_gets_into_the_line)
 {
-    start_at_prompt();
     LINE_AFTER("polarity ", "synth> polarity LABEL PERCENT");
     const struct screen_cell *cell = t->screen.cell[t->screen.row];
     CHECK(!cell[7].grey && cell[16].grey && strcmp(cell[16].text, "L") == 0);
@@ -288,10 +291,9 @@ STORY(a_hint_is_grey_moves_on_and_never_gets_into_the_line)
     BEGIN_AFTER("weight ", "synth> weight morph|sobel");
     set_size(30, 24);
     SEE_LINE("synth> weight morph|sobel|gau"); /* cut before the last column */
-    quit();
 }
 
-STORY(tab_completes_and_lists_and_tells_how_many_more)
+QUIT_STORY(tab_completes_and_lists_and_tells_how_many_more)
 {
     CHECK(file_make_folder("scans", NULL) == OK && file_make_folder("scans/my masks", NULL) == OK);
     for (int i = 0; i < 150; i++) {
@@ -315,12 +317,10 @@ STORY(tab_completes_and_lists_and_tells_how_many_more)
     SEE("and 50 more");
     LINE_AFTER("\025zzz\t", "synth> zzz");
     CHECK(t->screen.bells > 0);
-    quit();
 }
 
-STORY(a_caret_stands_under_what_is_wrong)
+PROMPT_STORY(a_caret_stands_under_what_is_wrong)
 {
-    start_at_prompt();
     ROW_AFTER("seed 20,20,15 livver\r", "                     ^");
     SEE_BEGIN("error: LABEL: expected a label 0..255 or the name of one, not livver");
     ROW_AFTER("label 1 \346\234\254 clour\r", "                  ^");
@@ -328,7 +328,6 @@ STORY(a_caret_stands_under_what_is_wrong)
     ROW_AFTER("seed 20,20,15 1 radius=999 to=1,1,1\r", "...eed 20,20,15 1 radius=9...");
     SEE("                  ^");
     SEE_LINE("synth>");
-    quit();
 }
 
 STORY(a_hundred_pasted_lines_are_a_hundred_commands)
@@ -354,7 +353,7 @@ STORY(a_hundred_pasted_lines_are_a_hundred_commands)
     }
 }
 
-STORY(history_outlives_a_session_that_is_killed)
+QUIT_STORY(history_outlives_a_session_that_is_killed)
 {
     struct stat status;
     start_at_prompt();
@@ -380,10 +379,9 @@ STORY(history_outlives_a_session_that_is_killed)
     SEE_LINE("synth> label 7 second [#rrggbb] [number=N]");
     LINE_AFTER("\022fir", "(search 'fir') label 7 first");
     LINE_AFTER("\007", "synth>");
-    quit();
 }
 
-STORY(hostile_lines_of_a_history_are_not_obeyed)
+QUIT_STORY(hostile_lines_of_a_history_are_not_obeyed)
 {
     static const char lines[] = "info\n\033]0;title\a\033[2J\033[31m\n\xff\xfe\x9b"
                                 "31m\n";
@@ -392,7 +390,6 @@ STORY(hostile_lines_of_a_history_are_not_obeyed)
     LINE_AFTER("\020", "synth> \\xff\\xfe\\x9b31m");
     LINE_AFTER("\020", "synth> info");
     CHECK(strstr(buf_text(&t->written), "title") == NULL);
-    quit();
 }
 
 static void store_history(const char *lines)
@@ -400,7 +397,7 @@ static void store_history(const char *lines)
     CHECK(file_write("history", lines, strlen(lines), FILE_REPLACE, NULL) == OK);
 }
 
-STORY(what_was_entered_before_is_suggested_and_taken)
+QUIT_STORY(what_was_entered_before_is_suggested_and_taken)
 {
     store_history("zoom 2\nlabel 7 liver\nseed 1,1,1 liver\nseed 9,9,99 7\nsede 1\n");
     start_at_prompt();
@@ -425,7 +422,6 @@ STORY(what_was_entered_before_is_suggested_and_taken)
     check_awaited(is_at_column, "9", __LINE__);
     LINE_AFTER("\025goto \033.\033.", "synth> goto 1");
     LINE_AFTER("\025zoom\001\033u", "synth> ZOOM");
-    quit();
 }
 
 static const char editor_script[] = "ls -ld \"${1%/*}\" >seen; stty -a >modes; cat \"$1\" >before\n"
@@ -495,7 +491,7 @@ static bool is_page_end(const char *bytes)
            (is_foot(MORE) || is_cursor_row("synth>"));
 }
 
-STORY(a_long_answer_is_printed_by_pages)
+QUIT_STORY(a_long_answer_is_printed_by_pages)
 {
     unsigned pages = 1;
     start_at_prompt();
@@ -520,7 +516,6 @@ STORY(a_long_answer_is_printed_by_pages)
     BEGIN_AFTER("info\r", "memory "); /* this fits */
     SEE_LINE("synth>");
     CHECK(strstr(buf_text(&t->written), "1049h") == NULL);
-    quit();
 }
 
 STORY(what_is_typed_or_pasted_on_is_for_the_prompt)
@@ -680,7 +675,7 @@ static bool has_rows(const char *text)
     return true;
 }
 
-STORY(a_long_line_is_drawn_anew_at_every_width)
+QUIT_STORY(a_long_line_is_drawn_anew_at_every_width)
 {
     static const char text[] = "abcdefghijklmnopqrstuvwxyz0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-"
                                "abcdefghijklmnopqrstuvwxyz0123456789";
@@ -696,10 +691,9 @@ STORY(a_long_line_is_drawn_anew_at_every_width)
             print_screen();
     }
     LINE_AFTER("\003", "synth>");
-    quit();
 }
 
-STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
+QUIT_STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
 {
     static const char *const reply[] = {
         "\033[?64;1;2;6;9c",                   /* DA1 */
@@ -746,7 +740,6 @@ STORY(whatever_a_terminal_says_the_line_stays_what_was_typed)
     buf_printf(&row, "synth> %s.", buf_text(&text));
     SEE_LINE(buf_text(&row));
     LINE_AFTER("\033P never ends\003\003", "synth>"); /* one Ctrl-C gets the keyboard back */
-    quit();
 }
 
 /* Send the first piece, and then so many bytes at a time. */
@@ -761,7 +754,7 @@ static void answer_slowly(const char *reply, size_t first, size_t more)
     }
 }
 
-STORY(a_reply_may_take_two_seconds)
+QUIT_STORY(a_reply_may_take_two_seconds)
 {
     const uint64_t begin = clock_ns();
     start_at_prompt();
@@ -775,7 +768,6 @@ STORY(a_reply_may_take_two_seconds)
     settle(1000);
     LINE_AFTER("\177\177formation", "synth> information");
     type("\025info");
-    quit();
 }
 
 static void start_without_scene(void)
@@ -832,7 +824,7 @@ STORY(ctrl_c_takes_back_a_line_or_a_command)
     unlink("session-1.iftty");
 }
 
-STORY(without_colours_there_is_none_and_no_hint)
+QUIT_STORY(without_colours_there_is_none_and_no_hint)
 {
     struct setting setting = plain;
     setting.no_color = "1";
@@ -844,7 +836,6 @@ STORY(without_colours_there_is_none_and_no_hint)
     ROW_AFTER("1,1 1\r", "            ^");
     SEE_BEGIN("error: PLACE: expected X,Y,Z");
     CHECK_INT(t->screen.colours, 0);
-    quit();
 }
 
 STORY(a_dumb_terminal_gets_no_escape_at_all)
@@ -938,7 +929,7 @@ static void enter_answering(const struct setting *setting, const char *answers)
 }
 
 /* Kitty 0.26 may lose a sequence that a frame begins with. */
-STORY(no_frame_of_the_pilot_begins_with_a_sequence)
+QUIT_STORY(no_frame_of_the_pilot_begins_with_a_sequence)
 {
     static const char begin[] = "\033[?2026h";
     struct setting setting = plain;
@@ -953,7 +944,6 @@ STORY(no_frame_of_the_pilot_begins_with_a_sequence)
         frames++;
     }
     CHECK(frames > 0);
-    quit();
 }
 
 /* Kitty by its answers, with cells of 8x16 pixels. */
@@ -1116,14 +1106,13 @@ static void verify_journal(void)
     CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-STORY(the_picture_stays_where_the_line_below_it_is_drawn_anew)
+QUIT_STORY(the_picture_stays_where_the_line_below_it_is_drawn_anew)
 {
     enter_pilot();
     LINE_AFTER(":info", ":info");
     check_screen();
     BEGIN_AFTER("\033", "nothing to show yet: ");
     LINE_AFTER("q", "synth>");
-    quit();
 }
 
 /* PILOT_ROUNDS=N, 3 unless given. */

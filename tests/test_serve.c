@@ -121,8 +121,9 @@ static const char *next(void)
                    r->is_cancelled ? ", cancelled" : "");
     return buf_text(&text);
 }
+#define INBOX_STORY(told) STORY_WITHIN(told, (void)0, inbox_release(&inbox))
 
-STORY(requests_come_in_order_in_any_pieces)
+INBOX_STORY(requests_come_in_order_in_any_pieces)
 {
     take("{\"id\": 1, \"do\": \"zo");
     CHECK_TEXT(next(), "none");
@@ -134,10 +135,9 @@ STORY(requests_come_in_order_in_any_pieces)
     take("\": \"info\"}\n");
     CHECK_TEXT(next(), "null info");
     CHECK_TEXT(next(), "none");
-    inbox_release(&inbox);
 }
 
-STORY(keys_are_known_given_once_and_go_together)
+INBOX_STORY(keys_are_known_given_once_and_go_together)
 {
     take("{\"id\": 1, \"du\": \"x\"}\n{\"id\": 2, \"id\": 2}\n{\"id\": 3}\n"
          "{\"id\": 4, \"do\": \"a\", \"array\": \"b\"}\n{\"id\": 5, \"do\": 7}\n"
@@ -153,10 +153,9 @@ STORY(keys_are_known_given_once_and_go_together)
     CHECK_TEXT(next(), "7 ! finished belongs to array; commands have their own parameters");
     take("{\"finish\": true}\n");
     CHECK_HAS(next(), "did you mean finished?");
-    inbox_release(&inbox);
 }
 
-STORY(a_cancel_stops_what_is_at_hand_or_waits_and_nothing_else)
+INBOX_STORY(a_cancel_stops_what_is_at_hand_or_waits_and_nothing_else)
 {
     take(
         "{\"id\": 1, \"do\": \"a\"}\n{\"id\": 2, \"do\": \"b\"}\n{\"id\": \"2\", \"do\": \"c\"}\n");
@@ -171,10 +170,9 @@ STORY(a_cancel_stops_what_is_at_hand_or_waits_and_nothing_else)
     CHECK(!inbox.stops);
     take("{\"cancel\": 1}\n");
     CHECK(!inbox.stops);
-    inbox_release(&inbox);
 }
 
-STORY(a_line_that_is_too_long_is_passed_over_and_the_next_is_read)
+INBOX_STORY(a_line_that_is_too_long_is_passed_over_and_the_next_is_read)
 {
     static char long_line[REQUEST_BYTES_MOST + 2];
     memset(long_line, ' ', sizeof long_line);
@@ -189,10 +187,9 @@ STORY(a_line_that_is_too_long_is_passed_over_and_the_next_is_read)
     take("\n{\"id\":2,\"do\":\"info\"}\n");
     CHECK_TEXT(next(), "null ! the line is longer than 1048576 bytes; it is skipped");
     CHECK_TEXT(next(), "2 info");
-    inbox_release(&inbox);
 }
 
-STORY(no_more_is_read_than_there_is_room_for)
+INBOX_STORY(no_more_is_read_than_there_is_room_for)
 {
     for (int i = 0; i < INBOX_WAITING_MOST - 1; i++)
         take("{\"do\":\"zoom 2\"}\n");
@@ -203,7 +200,6 @@ STORY(no_more_is_read_than_there_is_room_for)
         CHECK_TEXT(next(), "null zoom 2");
     CHECK_TEXT(next(), "7 zoom 2");
     CHECK(inbox_has_room(&inbox) && inbox.bytes == 0);
-    inbox_release(&inbox);
 }
 
 /* ---- answers ---- */

@@ -191,6 +191,8 @@ static void end(void)
     CHECK(comes_true(guardian_is_gone));
     job_end(&s.job);
 }
+/* Define a story that ends the job. */
+#define JOB_STORY(told) STORY_WITHIN(told, (void)0, end())
 
 /* ---- stories ---- */
 
@@ -229,7 +231,7 @@ STORY(killed_in_full_screen_the_guardian_restores_the_terminal)
     }
 }
 
-STORY(the_guardian_holds_nothing_and_takes_no_signal)
+JOB_STORY(the_guardian_holds_nothing_and_takes_no_signal)
 {
     char path[64], line[200];
     unsigned long dirty_kb = 0;
@@ -247,7 +249,6 @@ STORY(the_guardian_holds_nothing_and_takes_no_signal)
     kill(s.job.process, SIGKILL);
     job_report(&s.job);
     check_restored();
-    end();
 }
 
 STORY(after_an_end_of_its_own_nothing_is_left)
@@ -292,7 +293,7 @@ static void shell_sets_its_own_modes(void)
     tcsetattr(s.job.slave, TCSANOW, &of_the_shell);
 }
 
-STORY(a_shell_that_came_first_keeps_its_modes_and_gets_the_screen)
+JOB_STORY(a_shell_that_came_first_keeps_its_modes_and_gets_the_screen)
 {
     struct termios now;
     start_ready(WAITS);
@@ -300,7 +301,6 @@ STORY(a_shell_that_came_first_keeps_its_modes_and_gets_the_screen)
     CHECK(tcgetattr(s.job.slave, &now) == 0 && now.c_lflag == of_the_shell.c_lflag &&
           now.c_iflag == of_the_shell.c_iflag);
     CHECK(see(END, 60000));
-    end();
 }
 
 /* A group that there is in the session: the guardian's own. */
@@ -312,16 +312,15 @@ static void another_job_has_the_terminal(void)
     CHECK_INT(tcgetpgrp(s.job.master), s.guardian);
 }
 
-STORY(another_job_is_not_disturbed)
+JOB_STORY(another_job_is_not_disturbed)
 {
     start_ready(WAITS);
     stop_and_kill(another_job_has_the_terminal);
     CHECK_INT(s.job.seen.length, 0);
     CHECK(!job_has_modes_as_found(&s.job));
-    end();
 }
 
-STORY(killed_while_stopped_there_is_nothing_to_give_back)
+JOB_STORY(killed_while_stopped_there_is_nothing_to_give_back)
 {
     start_ready(WAITS);
     kill(s.job.process, SIGTSTP);
@@ -332,10 +331,9 @@ STORY(killed_while_stopped_there_is_nothing_to_give_back)
     CHECK(comes_true(guardian_is_gone));
     see(NULL, 20);
     CHECK_INT(s.job.seen.length, before);
-    end();
 }
 
-STORY(stopped_and_continued_it_is_guarded_again)
+JOB_STORY(stopped_and_continued_it_is_guarded_again)
 {
     start_ready(WAITS);
     kill(s.job.process, SIGTSTP);
@@ -346,7 +344,6 @@ STORY(stopped_and_continued_it_is_guarded_again)
     kill(s.job.process, SIGKILL);
     job_report(&s.job);
     check_restored();
-    end();
 }
 
 /* Wait until the job is in the middle of its frame: a part was read, and the rest exceeds the
@@ -357,7 +354,7 @@ static void start_frame(void)
     CHECK(see("readyp", 60000));
 }
 
-STORY(ctrl_c_cuts_no_frame_in_two)
+JOB_STORY(ctrl_c_cuts_no_frame_in_two)
 {
     start_frame();
     CHECK(write(s.job.master, "\003", 1) == 1);
@@ -369,10 +366,9 @@ STORY(ctrl_c_cuts_no_frame_in_two)
         first = strchr(first + 1, 'p');
     CHECK_WITH(first && last && last - first == FRAME - 1, "%zu bytes, from %td to %td",
                s.job.seen.length, first ? first - text : -1, last ? last - text : -1);
-    end();
 }
 
-STORY(stopping_waits_for_the_end_of_a_frame)
+JOB_STORY(stopping_waits_for_the_end_of_a_frame)
 {
     start_frame();
     CHECK(write(s.job.master, "\032", 1) == 1);
@@ -381,10 +377,9 @@ STORY(stopping_waits_for_the_end_of_a_frame)
     const char *end_of_frame = strstr(buf_text(&s.job.seen), "p.");
     CHECK(end_of_frame && strstr(end_of_frame, END));
     CHECK(strstr(buf_text(&s.job.seen), END) > end_of_frame);
-    end();
 }
 
-STORY(an_answer_that_is_due_at_sigterm_is_not_left_to_the_shell)
+JOB_STORY(an_answer_that_is_due_at_sigterm_is_not_left_to_the_shell)
 {
     start_ready(WAITS_AND_ANSWERS);
     kill(s.job.process, SIGTERM);
@@ -394,16 +389,14 @@ STORY(an_answer_that_is_due_at_sigterm_is_not_left_to_the_shell)
     const int status = job_report(&s.job);
     CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM && job_has_modes_as_found(&s.job));
     CHECK_INT(job_left_to_read(&s.job), 0);
-    end();
 }
 
-STORY(sequences_change_in_order_and_the_end_is_written_once)
+JOB_STORY(sequences_change_in_order_and_the_end_is_written_once)
 {
     job_start(&s.job, changes_sequences, NULL);
     CHECK_INT(job_report(&s.job), 0);
     see("bye", 60000);
     CHECK_TEXT(buf_text(&s.job.seen), "<prompt></prompt><pilot></pilot><prompt></prompt>bye");
-    end();
 }
 
 int main(void)

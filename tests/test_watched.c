@@ -37,6 +37,7 @@ static void end_watching(void)
     watched_release(&watched);
     interpreter_release(&interp);
 }
+#define WATCHED_STORY(told) STORY_WITHIN(told, (void)0, end_watching())
 
 static void show(enum err (*how)(struct watched *, size_t, struct fault *), size_t step)
 {
@@ -122,7 +123,7 @@ STORY(the_steps_begin_after_an_interpolation)
 
 /* ---- to and fro ---- */
 
-STORY(a_step_is_drawn_before_it_is_carried_out)
+WATCHED_STORY(a_step_is_drawn_before_it_is_carried_out)
 {
     begin_watching(journal_of("drawn.iftty",
                               OPEN "seed 30,30,15 1 radius=2; box 2,2,2 4,6,2 0; remove 30,30,15"));
@@ -151,10 +152,9 @@ STORY(a_step_is_drawn_before_it_is_carried_out)
     CHECK_INT(digests_now().seeds, 0);
     CHECK_TEXT(said(watched_title), "the beginning, before step 1 of 3");
     CHECK_TEXT(said(watched_describe), "");
-    end_watching();
 }
 
-STORY(what_a_viewer_looks_at_changes_no_step)
+WATCHED_STORY(what_a_viewer_looks_at_changes_no_step)
 {
     begin_watching(journal_of("looks.iftty",
                               OPEN "seed 30,30,15 1 radius=2; seed 2,2,2 0; turn 30; "
@@ -175,7 +175,6 @@ STORY(what_a_viewer_looks_at_changes_no_step)
     show(watched_carry_out, 3); /* before it the journal changes its view */
     CHECK_INT(interp.session->now.outlook.slices.overlay, 2);
     CHECK_HAS(said(watched_verdict), "verified: ");
-    end_watching();
 }
 
 /* Cancel sooner and later until the step succeeds. Returns the number of cancels. */
@@ -195,7 +194,7 @@ static unsigned show_in_spite(int *looks, size_t step, struct digests shown)
     }
 }
 
-STORY(what_is_cancelled_is_shown_as_it_was_and_can_be_gone_on_with)
+WATCHED_STORY(what_is_cancelled_is_shown_as_it_was_and_can_be_gone_on_with)
 {
     int looks = INT_MAX;
     struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
@@ -222,7 +221,6 @@ STORY(what_is_cancelled_is_shown_as_it_was_and_can_be_gone_on_with)
     looks = 40;
     session_set_watch(interp.session, &watch);
     CHECK(watched_begin(&watched, &interp, path, &fault) == ERR_CANCELLED);
-    end_watching();
 }
 
 /* Show the steps to the end and back, about eight of a long journal. */
@@ -298,7 +296,7 @@ static const char *changed(const char *path, const char *what, const char *to)
     return path;
 }
 
-STORY(a_step_that_gives_something_else_is_not_shown_and_that_is_said)
+WATCHED_STORY(a_step_that_gives_something_else_is_not_shown_and_that_is_said)
 {
     const char *path =
         journal_of("other.iftty", OPEN "seed 30,30,15 1 radius=2; seed 2,2,2 0; seed 9,9,9 2");
@@ -309,11 +307,10 @@ STORY(a_step_that_gives_something_else_is_not_shown_and_that_is_said)
     CHECK_HAS(said(watched_verdict), "seed 2,2,3 0");
     show(watched_draw, 1);
     show(watched_carry_out, 1);
-    end_watching();
 }
 
 /* The steps before it belong to a history that was dropped. */
-STORY(an_interpolation_that_differs_leaves_no_step)
+WATCHED_STORY(an_interpolation_that_differs_leaves_no_step)
 {
     const char *path =
         journal_of("rest.iftty", OPEN "label 1 head; interpolate 2 2 1; seed 9,9,9 2");
@@ -322,10 +319,9 @@ STORY(an_interpolation_that_differs_leaves_no_step)
     CHECK(watched_begin(&watched, &interp, path, &fault) == ERR_CHECK);
     CHECK_INT(watched.count, 0);
     CHECK_HAS(fault.text, "record 4");
-    end_watching();
 }
 
-STORY(an_edited_comment_is_shown_and_the_journal_is_not_verified)
+WATCHED_STORY(an_edited_comment_is_shown_and_the_journal_is_not_verified)
 {
     const char *path = journal_of("edited.iftty", OPEN "seed 30,30,15 1 radius=2; seed 2,2,2 0");
     begin_watching(changed(path, "seed 2,2,2 0", "# \033]0;evil\007 look\nseed 2,2,2 0"));
@@ -335,10 +331,9 @@ STORY(an_edited_comment_is_shown_and_the_journal_is_not_verified)
     show(watched_carry_out, 2);
     CHECK_HAS(said(watched_comments), "evil");
     CHECK(strchr(said(watched_comments), '\033') == NULL); /* it is escaped */
-    end_watching();
 }
 
-STORY(what_is_no_journal_of_steps_is_refused_in_words)
+WATCHED_STORY(what_is_no_journal_of_steps_is_refused_in_words)
 {
     begin_interpreter(&interp);
     const char *path = journal_of("none.iftty", OPEN "turn 15");
@@ -349,5 +344,4 @@ STORY(what_is_no_journal_of_steps_is_refused_in_words)
     CHECK(file_write(path, "open synth:geom\n", 16, FILE_REPLACE, NULL) == OK);
     CHECK(watched_begin(&watched, &interp, path, &fault) == ERR_INPUT);
     CHECK_HAS(fault.text, "this is a script");
-    end_watching();
 }
