@@ -19,6 +19,7 @@ static void end_world(void)
     margin = NULL;
     world_free(&w);
 }
+#define WORLD_STORY(told) STORY_WITHIN(told, (void)0, end_world())
 
 static void find(void)
 {
@@ -29,7 +30,7 @@ static void find(void)
 
 /* ---- by hand ---- */
 
-STORY(a_border_without_an_edge_is_less_certain_than_one_on_an_edge)
+WORLD_STORY(a_border_without_an_edge_is_less_certain_than_one_on_an_edge)
 {
     /* Three labels in a row: an edge of 9 between 1 and 2, none between 2 and 3. */
     w = world_new(16, 1, 1, 6);
@@ -48,10 +49,9 @@ STORY(a_border_without_an_edge_is_less_certain_than_one_on_an_edge)
     CHECK(hints.item[0].label + hints.item[0].other == 5);
     CHECK_INT(heat[hints.item[0].cell], HINT_HEATS);
     CHECK(heat[first + 3] == 0 && heat[first] == 0);
-    end_world();
 }
 
-STORY(where_no_labels_meet_there_are_none)
+WORLD_STORY(where_no_labels_meet_there_are_none)
 {
     w = world_new(5, 4, 3, 26);
     find();
@@ -60,10 +60,9 @@ STORY(where_no_labels_meet_there_are_none)
     world_plant(&w, grid_cell(&w.scene->grid, 1, 1, 1), 1);
     find();
     CHECK(hints.count == 0 && hints.border == 0 && hints.weak == 0);
-    end_world();
 }
 
-STORY(a_way_leads_back_to_the_seed)
+WORLD_STORY(a_way_leads_back_to_the_seed)
 {
     static const uint16_t weight[] = {1, 1, 4, 2, 4, 7, 2, 2};
     OWNED(way_release) struct way way = {0};
@@ -78,7 +77,6 @@ STORY(a_way_leads_back_to_the_seed)
     CHECK(way_find(&way, w.forest, first + 7, NULL) == OK);
     CHECK_INT(way.edge, first + 5);
     CHECK(way_find(&way, w.forest, first, NULL) == OK && way.count == 1 && way.edge == CELL_NONE);
-    end_world();
 }
 
 /* ---- the model ---- */
@@ -230,7 +228,7 @@ STORY(hints_are_those_of_a_plain_search)
     }
 }
 
-STORY(memory_that_runs_out_is_an_error)
+WORLD_STORY(memory_that_runs_out_is_an_error)
 {
     struct fault why = {0};
     w = world_new(6, 5, 4, 6);
@@ -246,7 +244,6 @@ STORY(memory_that_runs_out_is_an_error)
     }
     CHECK_INT(err, OK);
     CHECK(hints.count > 0);
-    end_world();
 }
 
 /* ---- commands ---- */

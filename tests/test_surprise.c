@@ -45,10 +45,10 @@ static void begin(void)
     begin_interpreter(&interp);
     must(&interp, "open synth:geom:60x60x30; auto on");
 }
+#define GEOM_STORY(told) STORY_WITHIN(told, begin(), interpreter_release(&interp))
 
-STORY(a_seed_that_floods_an_object_says_so)
+GEOM_STORY(a_seed_that_floods_an_object_says_so)
 {
-    begin();
     CHECK(!is_surprised("seed 30,30,15 1")); /* the first seeds may take any number of voxels */
     CHECK(!is_surprised("seed 2,2,2 0") && is_surprised("seed 50,10,15 1"));
     CHECK_HAS(buf_text(&reply.text), " changed, label 1: ");
@@ -60,12 +60,10 @@ STORY(a_seed_that_floods_an_object_says_so)
     must(&interp, "undo");
     CHECK(!is_surprised("seed 20,20,10 1")); /* takes nothing */
     CHECK(!is_surprised("weight difference"));
-    interpreter_release(&interp);
 }
 
-STORY(so_do_boxes_eliminators_and_runs)
+GEOM_STORY(so_do_boxes_eliminators_and_runs)
 {
-    begin();
     must(&interp, "seed 30,30,15 1; seed 2,2,2 0");
     CHECK(is_surprised("box 50,10,15 50,11,15 1"));
     CHECK_HAS(buf_text(&reply.text), "\nthis `box` took ");
@@ -74,7 +72,6 @@ STORY(so_do_boxes_eliminators_and_runs)
     must(&interp, "auto off");
     CHECK(!is_surprised("seed 50,10,15 1") && is_surprised("run"));
     CHECK_HAS(buf_text(&reply.text), "\nthis `run` took 37.2 ml of label 0 through 50,8,15; ");
-    interpreter_release(&interp);
 }
 
 /* Two bright cubes of one size, a dark one, and a bright one that is larger. */
@@ -113,12 +110,10 @@ STORY(the_second_of_a_pair_is_none)
     interpreter_release(&interp);
 }
 
-STORY(a_replay_says_nothing)
+GEOM_STORY(a_replay_says_nothing)
 {
-    begin();
     must(&interp, "seed 30,30,15 1; seed 2,2,2 0");
     interp.mode = MODE_REPLAY;
     CHECK(!is_surprised("seed 50,10,15 1"));
     interp.mode = MODE_LIVE;
-    interpreter_release(&interp);
 }

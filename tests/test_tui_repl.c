@@ -213,6 +213,7 @@ static void end(void)
     job_end(&t.job);
     buf_release(&t.late);
 }
+#define JOB_STORY(told) STORY_WITHIN(told, (void)0, end())
 
 static void quit(void)
 {
@@ -220,6 +221,8 @@ static void quit(void)
     CHECK_INT(job_report(&t.job), 0);
     end();
 }
+/* Define a story that leaves the program, or one that ends the job. */
+#define QUIT_STORY(told) STORY_WITHIN(told, (void)0, quit())
 
 /* The bytes that a shell would find typed, once every answer has come. */
 static size_t left_to_read(void)
@@ -237,7 +240,7 @@ static const struct setting silent = {.term = "xterm"};
 
 /* ---- stories ---- */
 
-STORY(a_line_is_edited_and_run_and_ctrl_d_restores_everything)
+JOB_STORY(a_line_is_edited_and_run_and_ctrl_d_restores_everything)
 {
     uint64_t begin = clock_ns();
     start(&xterm);
@@ -252,7 +255,6 @@ STORY(a_line_is_edited_and_run_and_ctrl_d_restores_everything)
     CHECK_INT(job_report(&t.job), 0);
     CHECK(job_has_modes_as_found(&t.job));
     SEE("\033[?2004l");
-    end();
 }
 
 STORY(a_sixel_terminal_gets_sixels_and_each_is_waited_for)
@@ -275,26 +277,24 @@ STORY(a_sixel_terminal_gets_sixels_and_each_is_waited_for)
     CHECK(took_least < UINT64_C(1500000000)); /* no answer is waited for twice */
 }
 
-STORY(kitty_gets_its_own_graphics_and_a_picture_that_nobody_confirms_is_recovered_from)
+QUIT_STORY(kitty_gets_its_own_graphics_and_a_picture_that_nobody_confirms_is_recovered_from)
 {
     start(&kitty);
     SEE("a=q", "\r\033[K", "ch2> ");
     t.da1 = NULL; /* the line has cut it */
     SEE_AFTER("picture\r", "\033_Ga=T,C=1,f=100,q=2,m=0;iVBOR", "ch2> ");
     SEE_AFTER("picture\r", "\033_Gm=0,q=2;\033\\\033_Gm=0,q=2;\033\\", "\033_Ga=T", "ch2> ");
-    quit();
 }
 
-STORY(a_terminal_without_graphics_gets_blocks)
+JOB_STORY(a_terminal_without_graphics_gets_blocks)
 {
     start_at_prompt(&xterm);
     SEE_AFTER("picture\rquit\r", "\033[48;5;");
     CHECK_INT(job_report(&t.job), 0);
     CHECK(!strstr(t.job.seen.data, "\033P") && !strstr(t.job.seen.data, "\033_G"));
-    end();
 }
 
-STORY(without_colours_one_question_is_asked_and_nothing_coloured)
+JOB_STORY(without_colours_one_question_is_asked_and_nothing_coloured)
 {
     struct setting setting = vt340;
     setting.no_color = "1";
@@ -305,10 +305,9 @@ STORY(without_colours_one_question_is_asked_and_nothing_coloured)
           strstr(t.job.seen.data, "\033[31m") == NULL &&
           strstr(t.job.seen.data, "\033[48") == NULL);
     CHECK_HAS(t.job.seen.data, "%%%");
-    end();
 }
 
-STORY(a_silent_terminal_costs_two_seconds_and_no_key)
+JOB_STORY(a_silent_terminal_costs_two_seconds_and_no_key)
 {
     start(&silent);
     SEE("\033[c");
@@ -319,7 +318,6 @@ STORY(a_silent_terminal_costs_two_seconds_and_no_key)
     CHECK(took > 1500 && took < 20000); /* twice two seconds, more on a busy machine */
     type("\004");
     CHECK_INT(job_report(&t.job), 0);
-    end();
 }
 
 STORY(answers_that_take_their_time_are_not_left_to_the_shell)
@@ -337,7 +335,7 @@ STORY(answers_that_take_their_time_are_not_left_to_the_shell)
     }
 }
 
-STORY(an_answer_that_comes_after_two_seconds_is_neither_text_nor_harm)
+JOB_STORY(an_answer_that_comes_after_two_seconds_is_neither_text_nor_harm)
 {
     struct setting setting = vt340;
     setting.delay_ms = 2300;
@@ -348,10 +346,9 @@ STORY(an_answer_that_comes_after_two_seconds_is_neither_text_nor_harm)
     type("quit\r");
     CHECK_INT(job_report(&t.job), 0);
     CHECK_INT(left_to_read(), 0);
-    end();
 }
 
-STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
+QUIT_STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
 {
     OWNED(buf_release) struct buf paste = {0};
     start_at_prompt(&xterm);
@@ -368,7 +365,6 @@ STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
     CHECK(t.job.seen.length - before < 2400); /* a screenful, once */
     SEE_AFTER("\003\033[200~echo one\r\necho two\necho thr\033[201~ee\r", "[one]", "[two]",
               "[three]");
-    quit();
 }
 
 /* Return true if b after a lone Escape is read as b; not if the program had no time to read between
@@ -386,17 +382,16 @@ static bool is_lone_escape(void)
     return is_letter;
 }
 
-STORY(escape_alone_is_not_the_alt_key)
+QUIT_STORY(escape_alone_is_not_the_alt_key)
 {
     bool is_letter = false;
     start_at_prompt(&xterm);
     for (int tries = 0; tries < 20 && check_failures == 0 && !is_letter; tries++)
         is_letter = is_lone_escape();
     CHECK(is_letter);
-    quit();
 }
 
-STORY(news_stand_above_the_line_that_is_typed_however_long)
+QUIT_STORY(news_stand_above_the_line_that_is_typed_however_long)
 {
     struct winsize size = {.ws_row = 24, .ws_col = 20};
     start_at_prompt(&xterm);
@@ -406,10 +401,9 @@ STORY(news_stand_above_the_line_that_is_typed_however_long)
     SEE("\033[2A\r\033[J[news]\r\n"); /* on its own: nothing was typed */
     SEE("ch2> ");
     SEE_AFTER("y\r", "8zy]");
-    quit();
 }
 
-STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
+JOB_STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
 {
     start_at_prompt(&xterm);
     SEE_AFTER("echo half", "echo half");
@@ -430,7 +424,6 @@ STORY(ctrl_z_gives_the_terminal_back_and_fg_draws_again)
     kill(t.job.process, SIGTERM);
     job_report(&t.job);
     CHECK(job_has_modes_as_found(&t.job));
-    end();
 }
 
 /* Types `command`, sends `number` (0: none), and expects the job to end by itself, the terminal to
@@ -467,7 +460,7 @@ STORY(signals_crashes_and_exits_restore_the_terminal)
     check_end("exit\r", 0, false);
 }
 
-STORY(one_picture_is_shown_without_a_prompt)
+JOB_STORY(one_picture_is_shown_without_a_prompt)
 {
     struct setting setting = vt340;
     setting.once = true;
@@ -481,7 +474,6 @@ STORY(one_picture_is_shown_without_a_prompt)
     start(&setting);
     CHECK_INT(job_report(&t.job), 0);
     CHECK_INT(t.job.seen.length, 0);
-    end();
 }
 
 STORY(plain_input_is_read_line_by_line_without_escapes)
