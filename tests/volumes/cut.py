@@ -65,34 +65,29 @@ def make_more():
           b"ElementDataFile = LOCAL\n", " ".join(map(str, make.voxels().T.ravel())), "\n")
 
 
-def main():
-    os.chdir(sys.argv[1])
-    for each in (make.make_pairs, make.make_mgh, make.make_nrrd, make.make_meta, make.make_mrc,
-                 make.make_pictures, make.make_hdf5, make.make_minc, make_more):
-        each()
-    for opened, cut, counting in SOUND:
-        whole = read(cut)
-        if opened == "byte.mgh":
-            whole = whole[:-20]  # how it was scanned, which may be missing
-        most = len(whole)
-        if counting == "text":  # its last characters are a line feed and digits
-            whole = whole.rstrip()
-            whole = whole[:max(whole.rindex(b" "), whole.rindex(b"\n")) + 1]
-        for at in (most // 4, most // 2, most * 99 // 100, most - 1):
-            at = min(at, len(whole))
-            there = os.path.join("cut", "%s-%d" % (opened, at))
-            os.makedirs(there, exist_ok=True)
-            stem = opened.split(".")[0]
-            for name in os.listdir():
-                if name == opened or (opened[-4:] in (".mhd", "nhdr", ".hdr") and
-                                      name.startswith(stem) and "twin" not in name):
-                    copy = shutil.copytree if os.path.isdir(name) else shutil.copy
-                    if not os.path.exists(os.path.join(there, name)):
-                        copy(name, os.path.join(there, name))
-            write(os.path.join(there, cut), whole[:at])
-            print(os.path.abspath(os.path.join(there, opened)), os.path.basename(cut), counting,
-                  at, most)
-
-
-if __name__ == "__main__":
-    main()
+os.chdir(sys.argv[1])
+for each in (make.make_pairs, make.make_mgh, make.make_nrrd, make.make_meta, make.make_mrc,
+             make.make_pictures, make.make_hdf5, make.make_minc, make_more):
+    each()
+for opened, cut, counting in SOUND:
+    whole = read(cut)
+    if opened == "byte.mgh":
+        whole = whole[:-20]  # how it was scanned, which may be missing
+    most = len(whole)
+    if counting == "text":  # its last characters are a line feed and digits
+        whole = whole.rstrip()
+        whole = whole[:max(whole.rindex(b" "), whole.rindex(b"\n")) + 1]
+    for at in (most // 4, most // 2, most * 99 // 100, most - 1):
+        at = min(at, len(whole))
+        there = os.path.join("cut", "%s-%d" % (opened, at))
+        os.makedirs(there, exist_ok=True)
+        stem = opened.split(".")[0]
+        for name in os.listdir():
+            if name == opened or (opened[-4:] in (".mhd", "nhdr", ".hdr") and
+                                  name.startswith(stem) and "twin" not in name):
+                copy = shutil.copytree if os.path.isdir(name) else shutil.copy
+                if not os.path.exists(os.path.join(there, name)):
+                    copy(name, os.path.join(there, name))
+        write(os.path.join(there, cut), whole[:at])
+        print(os.path.abspath(os.path.join(there, opened)), os.path.basename(cut), counting,
+              at, most)

@@ -368,11 +368,6 @@ def make_objects():
     binary.save_as("objects/seg-binary.dcm")
 
 
-def main():
-    os.chdir(sys.argv[1])
-    for make in (make_keys, make_enhanced, make_numbers, make_values, make_unplaced, make_objects):
-        make()
-
-
-if __name__ == "__main__":
-    main()
+os.chdir(sys.argv[1])
+for make in (make_keys, make_enhanced, make_numbers, make_values, make_unplaced, make_objects):
+    make()

@@ -183,11 +183,6 @@ def make_las(make):
     add("words", las, "space directions: (0.9,0,0) (0,1.1,0) (0,0,2.5x)", origin)
 
 
-def main():
-    make_ours(Maker(os.path.join(sys.argv[1], "ours")).make)
-    make_left(Maker(os.path.join(sys.argv[1], "left")).make)
-    make_las(Maker(os.path.join(sys.argv[1], "las")).make)
-
-
-if __name__ == "__main__":
-    main()
+make_ours(Maker(os.path.join(sys.argv[1], "ours")).make)
+make_left(Maker(os.path.join(sys.argv[1], "left")).make)
+make_las(Maker(os.path.join(sys.argv[1], "las")).make)

@@ -215,11 +215,6 @@ def make_series():
     one.save_as(file)
 
 
-def main():
-    os.chdir(sys.argv[1])
-    for make in (make_mosaics, make_series):
-        make()
-
-
-if __name__ == "__main__":
-    main()
+os.chdir(sys.argv[1])
+for make in (make_mosaics, make_series):
+    make()

@@ -631,16 +631,11 @@ def make_broken(rounds):
                 file.write(break_one(bytearray(whole)))
 
 
-def main():
-    if sys.argv[1] == "break":
-        os.chdir(sys.argv[2])
-        make_broken(int(sys.argv[3]))
-        return
+if sys.argv[1] == "break":
+    os.chdir(sys.argv[2])
+    make_broken(int(sys.argv[3]))
+else:
     os.chdir(sys.argv[1])
     for make in (make_types, make_few_bits, make_packed, make_samples, make_pages, make_refused,
                  make_imagej, make_ome, make_lsm, make_folders, make_close, make_many):
         make()
-
-
-if __name__ == "__main__":
-    main()
