@@ -39,9 +39,5 @@ def check(name, path, definition):
             print(f"{name}: {str(error)[:800]}")
 
 
-def main():
-    for i in range(1, len(sys.argv), 3):
-        check(*sys.argv[i:i + 3])
-
-
-main()
+for i in range(1, len(sys.argv), 3):
+    check(*sys.argv[i:i + 3])

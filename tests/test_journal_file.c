@@ -46,7 +46,7 @@ static void make(const char *path, size_t records)
 
 STORY(a_journal_is_created_continued_and_kept)
 {
-    OWNED(journal_drop) struct journal *journal = NULL;
+    struct journal *journal;
     struct fault fault;
     OWNED(buf_release) struct buf first = {0}, second = {0}, notice = {0};
     const char *path = "a.iftty";
@@ -65,6 +65,7 @@ STORY(a_journal_is_created_continued_and_kept)
     CHECK(strncmp(second.data + second.length - 33, journal_chain(journal), 32) == 0);
     CHECK(second.length > first.length &&
           memcmp(first.data, second.data, first.length) == 0); /* J3 */
+    journal_close(journal);
     journal_close(reopen(path, 4, NULL));
     journal_close(NULL);
 }
@@ -94,7 +95,7 @@ STORY(comments_become_part_of_the_next_record)
 
 STORY(a_refused_command_changes_nothing)
 {
-    OWNED(journal_drop) struct journal *journal = NULL;
+    struct journal *journal;
     struct fault fault;
     const char *path = "refused.iftty";
     make(path, 2);
@@ -105,6 +106,7 @@ STORY(a_refused_command_changes_nothing)
     CHECK(journal_append(journal, "run", "not words", NULL) == ERR_INPUT);
     CHECK(journal_comment(journal, "no comment", NULL) == ERR_INPUT && journal_audit(journal));
     CHECK(append(journal, 3, NULL) == OK);
+    journal_close(journal);
     journal_close(reopen(path, 3, NULL));
 }
 
@@ -169,7 +171,7 @@ STORY(torn_bytes_never_replace_earlier_ones)
 STORY(damage_is_refused_and_cut_only_on_request)
 {
     OWNED(buf_release) struct buf bytes = {0}, notice = {0};
-    OWNED(journal_drop) struct journal *journal = NULL;
+    struct journal *journal;
     struct fault fault;
     const char *path = "damaged.iftty";
     make(path, 4);
@@ -192,6 +194,7 @@ STORY(damage_is_refused_and_cut_only_on_request)
     CHECK_HAS(buf_text(&notice), "2 records left");
     CHECK(is_file_of("damaged.iftty.torn-1", third, bytes.length - (size_t)(third - bytes.data)));
     CHECK(append(journal, 3, NULL) == OK);
+    journal_close(journal);
     journal_close(reopen(path, 3, NULL));
 }
 
@@ -383,13 +386,14 @@ STORY(nothing_follows_an_append_that_could_not_be_taken_back)
     const char *path = "ragged.iftty";
     struct fault fault;
     make(path, 1);
-    OWNED(journal_drop) struct journal *journal = reopen(path, 1, NULL);
+    struct journal *journal = reopen(path, 1, NULL);
     fail_after(1, true, EIO); /* the write succeeds, its sync and that of the cut fail */
     CHECK(append(journal, 2, &fault) == ERR_IO && append(journal, 2, &fault) == ERR_IO);
     CHECK_HAS(fault.text, "not repaired yet");
     CHECK_INT(journal_count(journal), 1);
     file_step_hook = NULL;
     CHECK(append(journal, 2, &fault) == OK && journal_audit(journal));
+    journal_close(journal);
     journal_close(reopen(path, 2, NULL));
 }
 
@@ -400,7 +404,7 @@ STORY(a_short_write_is_taken_back)
     struct rlimit former;
     struct fault fault;
     make(path, 2);
-    OWNED(journal_drop) struct journal *journal = reopen(path, 2, NULL);
+    struct journal *journal = reopen(path, 2, NULL);
     OWNED(buf_release) struct buf before = {0}, grown = {0};
     content(&before, path);
     getrlimit(RLIMIT_FSIZE, &former);
@@ -416,6 +420,7 @@ STORY(a_short_write_is_taken_back)
     }
     signal(SIGXFSZ, handler);
     CHECK(append(journal, 3, NULL) == OK);
+    journal_close(journal);
     journal_close(reopen(path, 3, NULL));
 }
 
