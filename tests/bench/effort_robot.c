@@ -343,6 +343,18 @@ void effort_robot_damage(struct effort_robot *robot, uint8_t *label)
 
 /* ---- what is wrong ---- */
 
+static void mark_wrong(struct effort_robot *robot, const uint8_t *label)
+{
+    const struct grid *grid = &robot->grid;
+    const uint8_t *truth = robot->object->truth;
+    for (uint32_t z = 0; z < grid->size[2]; z++)
+        for (uint32_t y = 0; y < grid->size[1]; y++) {
+            uint8_t *wrong = robot->wrong + grid_row(grid, y, z).first;
+            for (uint32_t x = 0; x < grid->size[0]; x++)
+                wrong[x] = *label++ != *truth++;
+        }
+}
+
 /* Find the largest component of the wrong voxels; NULL if every label is right. */
 static const struct component *choose(const struct components *pieces)
 {
@@ -421,14 +433,7 @@ enum err effort_robot_next(struct effort_robot *robot, const uint8_t *label,
                            struct effort_gesture *gesture, bool *found, struct fault *fault)
 {
     OWNED(components_release) struct components pieces = {0};
-    const struct grid *grid = &robot->grid;
-    const uint8_t *truth = robot->object->truth;
-    for (uint32_t z = 0; z < grid->size[2]; z++)
-        for (uint32_t y = 0; y < grid->size[1]; y++) {
-            uint8_t *wrong = robot->wrong + grid_row(grid, y, z).first;
-            for (uint32_t x = 0; x < grid->size[0]; x++)
-                wrong[x] = *label++ != *truth++;
-        }
+    mark_wrong(robot, label);
     enum err err = components_find(&pieces, &robot->grid, robot->wrong, NULL, fault);
     const struct component *piece = err ? NULL : choose(&pieces);
     *found = piece != NULL;
