@@ -226,12 +226,9 @@ enum err voxels_write(const char *path, enum file_mode mode, struct buf *header,
                       enum packing packing, const struct volume_map *map, struct watch *watch,
                       struct fault *fault)
 {
-    struct grid grid;
     OWNED(buf_release) struct buf draft = {0};
     enum err err = header->failed ? fault_memory(fault, "the header of a volume")
-                                  : grid_init(&grid, map->size, fault);
-    if (!err)
-        err = file_draft(&draft, path, mode, fault);
+                                  : file_draft(&draft, path, mode, fault);
     if (!err)
         err = write_draft(buf_text(&draft), path, header, packing, map, watch, fault);
     if (!err)
