@@ -363,12 +363,13 @@ static const struct command command_table[] = {
     {CALLED("labels", "atlas|segmentation", act_labels, GROUP_SEEDS, R | S | E | P),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "here"),
       KEYED("regions", VALUE_LIST, .most = UINT32_MAX), KEYED("as", VALUE_LIST, .most = UINT32_MAX),
-      KEYED("label", VALUE_LABEL, .least = 1, .most = 255), FINISHED,
-      KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST, .added = true),
-      KEYED("copy", VALUE_WORD, .is_kept = true, .form = "DIGEST", .added = true), OF_MAP,
-      KEYED("numbers", VALUE_LIST, .least = 1, .most = UINT32_MAX, .added = true),
+      KEYED("label", VALUE_LABEL, .least = 1, .most = 255), FINISHED, OF_MAP,
       KEYED("least", VALUE_NUMBER, .least = 1, .most = 1000000),
-      KEYED("rest", VALUE_CHOICE, .choices = "background|none|keep")},
+      KEYED("rest", VALUE_CHOICE, .choices = "background|none|keep"),
+      /* added to records, in this order */
+      KEYED("erode", VALUE_NUMBER, .most = PIECE_ERODE_MOST, .added = true),
+      KEYED("numbers", VALUE_LIST, .least = 1, .most = UINT32_MAX, .added = true),
+      KEYED("copy", VALUE_WORD, .is_kept = true, .form = "DIGEST", .added = true)},
      "start from a segmentation, and correct it",
      "FILE is a label map of any program, on the scene's grid. Its labels are reproduced exactly. "
      "Each connected piece of a label or of the background becomes a marker, all in one undo step. "
