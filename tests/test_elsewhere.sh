@@ -3,7 +3,7 @@
 # Volumes that name other files: files below their folder are read, and all others rejected by name,
 # on every kernel; missing voxels are not replaced, and no reader waits for a pipe.
 . "$(dirname "$0")/lib.sh"
-. tests/volumes/opened.sh
+. "$top/tests/volumes/opened.sh"
 loose() { # COMMAND...: as on a kernel without Landlock
     "$PYTHON" -I -S "$top/tests/volumes/without_landlock.py" "$@"
 }

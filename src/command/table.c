@@ -876,7 +876,7 @@ static const char recipes[] =
     "    $ iftty apply head.iftty other.nii.gz\n"
     "    $ iftty other.iftty\n"
     "An atlas that fits the scene already: keep the inside of its regions:\n"
-    "    labels atlas.nii.gz erode=2 resample=yes\n"
+    "    labels atlas.nii.gz resample=yes erode=2\n"
     "Touching objects without a map: a ball in each, and one sphere around all:\n"
     "    seed 40,108,90 1 radius=3\n"
     "    seed 60,108,90 2 radius=3\n"
