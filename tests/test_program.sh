@@ -230,7 +230,6 @@ expect 0 "$iftty" replay plain
 expect_out "this is a script, not a journal" 1 "$iftty" verify plain
 
 begin "one writer at a time"
-mkfifo pipe
 "$iftty" run pipe --journal j.iftty >writer.out 2>&1 &
 writer=$!
 exec 3>pipe

@@ -17,20 +17,19 @@ expect 0 "$iftty" verify j.iftty
 begin "other trees grow into the rest; it is resumed, undone and redone"
 expect 0 "$iftty" -c 'seed 2,2,2 2; run; info' --journal j.iftty
 out_has "no voxel is left without a tree by it"
-last_word() { sed -n "s/^= .* $1=\([0-9a-f]*\).*/\1/p" "${2:-j.iftty}" | tail -1; }
-before=$(last_word forest)
+before=$(last_word forest j.iftty)
 expect 0 "$iftty" -c 'remove 20,20,20; run; info; undo 2' --journal j.iftty
 out_has "marker 1 removed: 33 seeds of label 1"
 [ "$(grep -c "^ *reach" "$work/out")" = 0 ] || fail "$(cat "$work/out")"
-[ "$(last_word forest)" = "$before" ] || fail "undo: $(tail -3 j.iftty)"
+[ "$(last_word forest j.iftty)" = "$before" ] || fail "undo: $(tail -3 j.iftty)"
 expect 0 "$iftty" -c 'redo 2; undo 2; goto 3; goto 5' --journal j.iftty
-[ "$(last_word forest)" = "$before" ] || fail "redo: $(tail -3 j.iftty)"
+[ "$(last_word forest j.iftty)" = "$before" ] || fail "redo: $(tail -3 j.iftty)"
 expect 0 "$iftty" verify j.iftty
 
 begin "planted again with another distance it is another seed"
 again='seed 20,20,20 1 radius=2 within'
 expect 0 "$iftty" -c "$again=9; run; $again=6; run" --journal j.iftty
-[ "$(last_word forest)" = "$before" ] || fail "$(tail -5 j.iftty)"
+[ "$(last_word forest j.iftty)" = "$before" ] || fail "$(tail -5 j.iftty)"
 expect 0 "$iftty" -c 'remove 20,20,20; run; why 20,20,20; save seeds s.csv' --journal j.iftty
 out_has "within 9 voxels of 20,20,20"
 expect 0 "$iftty" verify j.iftty
@@ -39,7 +38,7 @@ begin "a list of seeds has the distances, in voxels and in millimetres"
 [ "$(head -1 s.csv)" = "x,y,z,label,within,of x,of y,of z" ] || fail "$(head -1 s.csv)"
 grep -qx '20,20,22,1,9,20,20,20' s.csv || fail "$(cat s.csv)"
 grep -qx '2,2,2,2' s.csv || fail "$(cat s.csv)"
-before=$(last_word forest)
+before=$(last_word forest j.iftty)
 expect 0 "$iftty" -c "$open; seed-file s.csv; run" --journal k.iftty
 grep -q "forest=$before" k.iftty || fail "$(cat k.iftty)"
 expect 0 "$iftty" -c "$open; seed 20,20,20 1 within=2.5mm; run; save seeds mm.csv" --journal l.iftty
@@ -52,8 +51,7 @@ expect 0 "$iftty" verify k.iftty l.iftty m.iftty
 begin "an exact seed has no reach: it is explained, written to a list and read again"
 expect 0 "$iftty" -c "$open; seed 2,2,2 2; seed 20,20,20 1 radius=1 within=0; run; why 20,20,21
 why 20,20,22; save seeds e.csv; info" --journal e.iftty
-out_has "label 1, of the seed at 20,20,21, within=0"
-out_has "label 2, of the seed at 2,2,2"
+out_has "label 1, of the seed at 20,20,21, within=0" "label 2, of the seed at 2,2,2"
 grep -qx '20,20,21,1,0,0,0,0' e.csv || fail "$(cat e.csv)"
 before=$(last_word forest e.iftty)
 expect 0 "$iftty" -c "$open; seed-file e.csv; run; why 20,20,21" --journal f.iftty
