@@ -39,7 +39,7 @@ struct queue {
      * their own, whose ends fit into the cache. Entries of other groups wait as pairs (level, cell)
      * and are distributed one by one when their group is served. Entries at (cost, 0), nearly all
      * in practice, move to the hops as whole lists when their cost is served; the others wait as
-     * pairs (hops, cell). */
+     * such pairs too. */
     uint32_t group; /* being served; 0 at first, so that costs of 8 bits never wait as pairs */
     uint32_t by_group[GROUPS];
     uint32_t at_rise[GROUP_COSTS];
