@@ -211,11 +211,11 @@ enum err golden_folder(struct buf *out, const char *journal_path, struct fault *
 enum err golden_folder_next_to_link(struct buf *out, const char *journal_path, struct fault *fault)
 {
     OWNED(buf_release) struct buf used = {0};
-    const enum err err = golden_folder(&used, journal_path, fault);
+    TRY(golden_folder(&used, journal_path, fault));
     write_folder(out, journal_path);
     if (!file_is_folder(buf_text(out)) || file_is_same(buf_text(out), buf_text(&used)))
         buf_clear(out);
-    return err;
+    return OK;
 }
 
 enum err golden_path(struct buf *out, const char *journal_path, const char *name,
@@ -226,9 +226,7 @@ enum err golden_path(struct buf *out, const char *journal_path, const char *name
                          "a golden image's name is 1 to %d of a-z 0-9 _ - and begins with a letter "
                          "or digit, not: %.100s",
                          NAME_MAX_BYTES, name);
-    enum err err = golden_folder(out, journal_path, fault);
-    if (err)
-        return err;
+    TRY(golden_folder(out, journal_path, fault));
     buf_printf(out, "/%s.exr", name);
     return out->failed ? fault_memory(fault, "a file name") : OK;
 }

@@ -65,7 +65,7 @@ static enum err repair_failures(struct journal *journal, struct fault *fault)
         err = file_log_cut(journal->log, journal->kept.length, fault);
     if (!err && file_log_is_in_doubt(journal->log))
         err = file_log_rewrite(journal->log, buf_text(&journal->kept), fault);
-    return err ? fault_prefix(fault, err, "an earlier failure is not repaired yet") : OK;
+    return fault_prefix(fault, err, "an earlier failure is not repaired yet");
 }
 
 /* G2: find bytes that another program changed without changing the length. The log reports a
@@ -104,16 +104,14 @@ static enum err append_bytes(struct journal *journal, const struct buf *bytes, b
         kept->failed = false; /* the former bytes are complete */
         return fault_memory(fault, "the journal");
     }
-    enum err err = journal->log ? repair_failures(journal, fault) : OK;
-    if (!err && journal->log)
-        err = judge_content(journal, fault);
-    if (!err && journal->log) {
+    if (journal->log) {
+        TRY(repair_failures(journal, fault));
+        TRY(judge_content(journal, fault));
         assert(file_log_length(journal->log) == kept->length); /* J3 */
-        err = file_log_append(journal->log, bytes->data, bytes->length, may_wait, fault);
+        TRY(file_log_append(journal->log, bytes->data, bytes->length, may_wait, fault));
     }
-    if (!err)
-        buf_add(kept, bytes->data, bytes->length);
-    return err;
+    buf_add(kept, bytes->data, bytes->length);
+    return OK;
 }
 
 enum err journal_create(struct journal **out, const char *path, unsigned semantics,
@@ -140,21 +138,21 @@ static enum err survey(struct walk *walk, const struct buf *bytes,
                        const struct journal_resume *resume, struct fault *fault)
 {
     struct record record;
-    enum err err = walk_begin(walk, bytes->data, bytes->length, fault);
-    if (!err && !walk->is_journal)
-        err = fault_set(fault, ERR_INPUT,
-                        "it has no header: this is a script, not a journal; run it instead");
-    if (!err && walk->semantics && resume->on_semantics)
-        err = resume->on_semantics(resume->context, walk->semantics, fault);
-    while (!err && walk_next_sound(walk, &record) == WALK_RECORD)
+    TRY(walk_begin(walk, bytes->data, bytes->length, fault));
+    if (!walk->is_journal)
+        return fault_set(fault, ERR_INPUT,
+                         "it has no header: this is a script, not a journal; run it instead");
+    if (walk->semantics && resume->on_semantics)
+        TRY(resume->on_semantics(resume->context, walk->semantics, fault));
+    while (walk_next_sound(walk, &record) == WALK_RECORD)
         if (resume->on_sight)
             resume->on_sight(resume->context, &record);
-    if (!err && walk->over == WALK_DAMAGED && !resume->cuts_damage)
-        err =
-            fault_set(fault, ERR_INPUT,
-                      "%s; nothing was changed (`iftty log --repair` keeps the records before it)",
-                      walk->fault.text);
-    return err;
+    if (walk->over == WALK_DAMAGED && !resume->cuts_damage)
+        return fault_set(
+            fault, ERR_INPUT,
+            "%s; nothing was changed (`iftty log --repair` keeps the records before it)",
+            walk->fault.text);
+    return OK;
 }
 
 /* Save the bytes after the sound part, cut them off, and report it. In this order the bytes are
@@ -164,17 +162,16 @@ static enum err cut_tail(struct journal *journal, const struct buf *bytes, const
 {
     OWNED(buf_release) struct buf name = {0};
     const size_t lost = bytes->length - sound->offset;
-    enum err err = file_write_beside(&name, journal_path(journal), "torn",
-                                     bytes->data + sound->offset, lost, fault);
-    if (!err)
-        err = file_log_cut(journal->log, sound->offset, fault);
-    if (!err && notice) {
+    TRY(file_write_beside(&name, journal_path(journal), "torn", bytes->data + sound->offset, lost,
+                          fault));
+    TRY(file_log_cut(journal->log, sound->offset, fault));
+    if (notice) {
         buf_printf(notice, "%s; %zu byte%s stored in ", sound->fault.text, lost, plural(lost));
         buf_add_safe_text(notice, buf_text(&name));
         buf_printf(notice, " and cut off; %zu record%s left", sound->records,
                    plural(sound->records));
     }
-    return err;
+    return OK;
 }
 
 /* Take over the sound part. Cut off the rest, unless the journal is read-only. */
@@ -200,8 +197,8 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
         return journal->header.failed ? fault_memory(fault, "the journal") : OK;
     }
     /* The program that created the file may have ended before this sync. */
-    err = journal->log ? file_sync_folder(journal_path(journal), fault) : OK;
-    return err ? err : append_bytes(journal, &journal->header, false, fault);
+    TRY(journal->log ? file_sync_folder(journal_path(journal), fault) : OK);
+    return append_bytes(journal, &journal->header, false, fault);
 }
 
 enum err journal_open(struct journal **out, const char *path, const struct journal_resume *resume,
@@ -241,9 +238,7 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *notice
 {
     struct journal *journal;
     const struct journal_resume how = {.semantics = semantics, .cuts_damage = true};
-    enum err err = journal_open(&journal, path, &how, notice, fault);
-    if (err)
-        return err;
+    TRY(journal_open(&journal, path, &how, notice, fault));
     if (notice->length == 0)
         buf_printf(notice, "intact, %zu record%s; nothing was changed", journal_count(journal),
                    plural(journal_count(journal)));
@@ -279,9 +274,7 @@ enum err journal_comment(struct journal *journal, const char *comment, struct fa
 {
     struct buf *comments = &journal->comments;
     const size_t before = comments->length;
-    enum err err = record_comment_check(comment, fault);
-    if (err)
-        return err;
+    TRY(record_comment_check(comment, fault));
     if (before + strlen(comment) >= COMMENTS_MAX)
         return fault_set(fault, ERR_LIMIT,
                          "the comments before one command are limited to %d bytes", COMMENTS_MAX);
@@ -325,22 +318,20 @@ enum err journal_continue(struct journal *journal, const char *path, struct faul
 
 enum err journal_set_sync(struct journal *journal, enum file_sync sync, struct fault *fault)
 {
-    enum err err = OK;
     if (journal->log && sync == FILE_SYNC_ALWAYS)
-        err = repair_failures(journal, fault);
-    if (!err && journal->log)
-        err = file_log_set_sync(journal->log, sync, fault);
-    if (!err)
-        journal->sync = sync;
-    return err;
+        TRY(repair_failures(journal, fault));
+    if (journal->log)
+        TRY(file_log_set_sync(journal->log, sync, fault));
+    journal->sync = sync;
+    return OK;
 }
 
 enum err journal_sync(struct journal *journal, struct fault *fault)
 {
     if (!journal->log)
         return OK;
-    enum err err = repair_failures(journal, fault);
-    return err ? err : file_log_sync(journal->log, fault);
+    TRY(repair_failures(journal, fault));
+    return file_log_sync(journal->log, fault);
 }
 
 enum err journal_catch_up(struct journal *journal, struct fault *fault)

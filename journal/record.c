@@ -144,9 +144,7 @@ static enum err line_check(const char *what, const char *line, struct fault *fau
 
 enum err record_command_check(const char *command, struct fault *fault)
 {
-    enum err err = line_check("a command", command, fault);
-    if (err)
-        return err;
+    TRY(line_check("a command", command, fault));
     if (*command == '\0' || strchr(" #=", *command))
         return fault_set(fault, ERR_INPUT,
                          "a command is not empty and does not begin with a blank, '#' or '=': "
@@ -160,9 +158,7 @@ enum err record_command_check(const char *command, struct fault *fault)
 
 enum err record_comment_check(const char *comment, struct fault *fault)
 {
-    enum err err = line_check("a comment", comment, fault);
-    if (err)
-        return err;
+    TRY(line_check("a comment", comment, fault));
     if (*comment && *comment != '#')
         return fault_set(fault, ERR_INPUT, "a comment begins with '#': %.200s", comment);
     return OK;
@@ -430,11 +426,10 @@ enum err walk_begin(struct walk *walk, const char *bytes, size_t length, struct 
 {
     *walk = (struct walk){.bytes = bytes ? bytes : "", .length = length, .line = 1};
     walk->chain = record_chain_zero;
-    const enum err err = read_header(walk, fault);
+    TRY(read_header(walk, fault));
     /* Reserve all memory for the walk, so that walk_next cannot fail. */
-    if (err || (buf_reserve(&walk->command, RECORD_LINE_MAX) &&
-                buf_reserve(&walk->result, RECORD_LINE_MAX)))
-        return err;
+    if (buf_reserve(&walk->command, RECORD_LINE_MAX) && buf_reserve(&walk->result, RECORD_LINE_MAX))
+        return OK;
     walk_release(walk);
     return fault_memory(fault, "reading a journal");
 }

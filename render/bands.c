@@ -110,18 +110,17 @@ static enum err make_room(struct drawing *d, struct fault *fault)
     const struct view *view = &bands->camera->view;
     const uint32_t all = view->height, samples = bands->look->samples;
     const uint32_t around = d->most + 2 * d->reach, most = d->most < all ? d->most : all;
-    enum err err = shader_prepare(bands->shader, bands->mesh->border, bands->look, fault);
-    for (unsigned i = 0; i < team_size(d->team) && !err; i++) {
+    TRY(shader_prepare(bands->shader, bands->mesh->border, bands->look, fault));
+    for (unsigned i = 0; i < team_size(d->team); i++) {
         struct room *room = &d->room[i];
-        err = rendition_init(&room->drawn, view->width, most, fault);
-        if (!err && d->reach)
-            err = rendition_init(&room->around, view->width, around < all ? around : all, fault);
-        if (!err && !d->out && d->is_reduced)
-            err = rendition_init(&room->pixels, view->width / samples, d->most / samples, fault);
-        if (!err)
-            err = layers_attach(&room->layers, &room->drawn, bands->mesh->border, fault);
+        TRY(rendition_init(&room->drawn, view->width, most, fault));
+        if (d->reach)
+            TRY(rendition_init(&room->around, view->width, around < all ? around : all, fault));
+        if (!d->out && d->is_reduced)
+            TRY(rendition_init(&room->pixels, view->width / samples, d->most / samples, fault));
+        TRY(layers_attach(&room->layers, &room->drawn, bands->mesh->border, fault));
     }
-    return err;
+    return OK;
 }
 
 enum err bands_draw(struct rendition *out, const struct bands *bands, struct fault *fault)

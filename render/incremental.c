@@ -66,15 +66,12 @@ enum err incremental_image(struct rendition *r, const struct camera *camera, str
     struct following following = {.rendition = r, .pixels = reach.pixels};
     const struct mesh_listener listener = {follow_brick, &following};
     if (changes->everything) {
-        const enum err err = mesh_update(mesh, border, shade_kind(look), team, NULL, fault);
-        if (!err)
-            project_border_shared(r, camera, mesh, team);
-        return err;
+        TRY(mesh_update(mesh, border, shade_kind(look), team, NULL, fault));
+        project_border_shared(r, camera, mesh, team);
+        return OK;
     }
     drawer_init(&following.drawer, camera, mesh);
-    const enum err err = mesh_update(mesh, border, shade_kind(look), team, &listener, fault);
-    if (err)
-        return err;
+    TRY(mesh_update(mesh, border, shade_kind(look), team, &listener, fault));
     for (size_t i = 0; i < changes->count && reach.voxels > 0; i++) {
         const struct change *c = changes->item + i;
         if (border->visible[c->former_label] != border->visible[c->label])

@@ -191,9 +191,9 @@ static enum err take_source(struct drawing *d, const struct mip_source *source, 
         d->grey_of[i] = (uint8_t)(grey < 0 ? 0 : grey > WHITE ? WHITE : grey);
     }
     team_run(d->team, fill_share, d);
-    const enum err err = cut_away(mip, fault);
+    TRY(cut_away(mip, fault));
     team_run(d->team, find_most, d);
-    return err ? err : watch_fault(source->scene->watch, fault);
+    return watch_fault(source->scene->watch, fault);
 }
 
 /* ---- along the rays ---- */

@@ -145,9 +145,7 @@ static void smooth_plane(struct bricks *bricks, uint32_t z)
 enum err bricks_update(struct bricks *bricks, const struct border *border, struct fault *fault)
 {
     if (bricks->border != border) {
-        const enum err err = make_room(bricks, border, fault);
-        if (err)
-            return err;
+        TRY(make_room(bricks, border, fault));
         bricks->border = border;
     }
     if (bricks->version != border->version) {

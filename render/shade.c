@@ -409,9 +409,7 @@ enum err shade(struct rendition *r, const struct camera *camera, const struct me
     struct shading s;
     struct team *team = rendition_count(r, TILE_STALE) < TILES_SHARED ? NULL : shader->team;
     struct sharing sharing = {r, &s, team};
-    const enum err err = shader_prepare(shader, mesh->border, look, fault);
-    if (err)
-        return err;
+    TRY(shader_prepare(shader, mesh->border, look, fault));
     shading_init(&s, camera, mesh, palette, look, shader);
     team_run(team, shade_share, &sharing);
     return OK;

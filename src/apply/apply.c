@@ -173,10 +173,10 @@ static enum err take_landmarks(struct applying *a, struct fault *fault)
     struct procedure_source source = o->procedure;
     source.path = o->landmarks;
     source.journal.scene_path = NULL;
-    const enum err err = procedure_load(&subject, NULL, &source, fault);
+    TRY(procedure_load(&subject, NULL, &source, fault));
     memcpy(a->landmark, subject.landmark, sizeof a->landmark);
     a->choice.carry.landmarks = subject.landmarks;
-    return err;
+    return OK;
 }
 
 /* ---- results of a scene ---- */

@@ -48,10 +48,10 @@ enum err carry_read_landmarks(struct procedure_landmark mark[PROCEDURE_LANDMARKS
                               const char *path, struct fault *fault)
 {
     OWNED(buf_release) struct buf text = {0}, line = {0};
-    const enum err err = file_read(&text, path, LANDMARKS_BYTES, fault);
+    TRY(file_read(&text, path, LANDMARKS_BYTES, fault));
     size_t number = 0;
     *marks = 0;
-    for (const char *at = buf_text(&text); !err && *at; at += *at == '\n') {
+    for (const char *at = buf_text(&text); *at; at += *at == '\n') {
         const size_t n = strcspn(at, "\r\n");
         struct procedure_landmark next;
         buf_clear(&line);
@@ -69,7 +69,7 @@ enum err carry_read_landmarks(struct procedure_landmark mark[PROCEDURE_LANDMARKS
                              PROCEDURE_LANDMARKS);
         mark[(*marks)++] = next;
     }
-    return err;
+    return OK;
 }
 
 static enum err fit_landmarks(struct carry *carry, const struct carry_choice *choice,
@@ -91,13 +91,12 @@ static enum err fit_landmarks(struct carry *carry, const struct carry_choice *ch
                          n, plural(n), n == 1 ? "is" : "are", choice->landmarks, p->landmarks);
     const enum affine_kind kind =
         choice->kind == AFFINE_FULL && n < AFFINE_PAIRS_FULL ? AFFINE_RIGID : choice->kind;
-    const enum err err = affine_fit(&carry->pull, kind, n, (const double(*)[3])from,
-                                    (const double(*)[3])to, &carry->rms_mm, fault);
+    TRY(affine_fit(&carry->pull, kind, n, (const double(*)[3])from, (const double(*)[3])to,
+                   &carry->rms_mm, fault));
     const struct choice word = choice_at(CARRY_FITS, kind);
-    if (!err)
-        buf_printf(&carry->words, "%.*s by %zu landmarks, off by %.2f mm", (int)word.length,
-                   word.word, n, carry->rms_mm);
-    return err;
+    buf_printf(&carry->words, "%.*s by %zu landmarks, off by %.2f mm", (int)word.length, word.word,
+               n, carry->rms_mm);
+    return OK;
 }
 
 /* ---- registration ---- */
@@ -180,9 +179,9 @@ enum err carry_find(struct carry *carry, const struct carry_choice *choice,
     const struct geometry *geometry = &subject->geometry;
     *carry = (struct carry){.rms_mm = 0};
     affine_identity(&carry->pull);
-    enum err err = check_place(choice, p, subject, fault);
-    if (err || choice->way == CARRY_WORLD)
-        return err;
+    TRY(check_place(choice, p, subject, fault));
+    if (choice->way == CARRY_WORLD)
+        return OK;
     if (choice->way == CARRY_LANDMARKS)
         return fit_landmarks(carry, choice, p, fault);
     if (choice->way == CARRY_AFFINE)

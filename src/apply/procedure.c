@@ -137,13 +137,13 @@ static enum err add_gesture(struct procedure *p, const struct session *session,
         .has_over = call_has(call, "over|keep"),
         .over = call_takes(call),
         .intensity = percentiles_value(session, first)};
-    enum err err = procedure_add_gesture(p, &gesture, fault);
-    for (size_t i = 0; !err && i < (to->given ? to->line->count : 1); i++) {
+    TRY(procedure_add_gesture(p, &gesture, fault));
+    for (size_t i = 0; i < (to->given ? to->line->count : 1); i++) {
         double mm[3];
         geometry_point(geometry, corner[i], mm);
-        err = procedure_add_corner(p, mm, fault);
+        TRY(procedure_add_corner(p, mm, fault));
     }
-    return err;
+    return OK;
 }
 
 /* Only balls and strokes are kept; other gestures are kept by the labels. */
@@ -221,8 +221,8 @@ static enum err take_labels(struct procedure *p, const struct session *session, 
     for (struct grid_walk w = grid_rows(grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++, i++)
             label[i] = p->voxel[i] = scene->cell[c].label;
-    const enum err err = percentiles_find(found, session, label, fault);
-    for (unsigned l = 0; !err && l < 256; l++) {
+    TRY(percentiles_find(found, session, label, fault));
+    for (unsigned l = 0; l < 256; l++) {
         struct procedure_label *to = &p->label[l];
         to->is_there = found->voxels[l] || kept->label_number[l];
         to->voxels = found->voxels[l];
@@ -232,7 +232,7 @@ static enum err take_labels(struct procedure *p, const struct session *session, 
         memcpy(to->name, kept->label_name[l], sizeof to->name);
         memcpy(to->rgb, kept->palette.rgb[l], sizeof to->rgb);
     }
-    return err;
+    return OK;
 }
 
 static enum err take_all(struct procedure *p, const struct noting *noting,
@@ -240,25 +240,23 @@ static enum err take_all(struct procedure *p, const struct noting *noting,
 {
     struct session *session = interp->session;
     const struct geometry *geometry = &session->geometry;
-    enum err err = session_complete(session, fault);
-    if (!err && session_pendings(session))
-        err = session_run(session, fault);
-    if (!err && !geometry_has_sides(geometry))
-        err = fault_set(fault, ERR_INPUT,
-                        "the file of its scene does not say %s, and iftty does not guess it; add "
-                        "`orient` and `open ... spacing=` to a journal of that scene",
-                        geometry->spacing_unknown ? "how far apart voxels are"
-                                                  : "to which sides of the patient its axes run");
+    TRY(session_complete(session, fault));
+    if (session_pendings(session))
+        TRY(session_run(session, fault));
+    if (!geometry_has_sides(geometry))
+        return fault_set(fault, ERR_INPUT,
+                         "the file of its scene does not say %s, and iftty does not guess it; add "
+                         "`orient` and `open ... spacing=` to a journal of that scene",
+                         geometry->spacing_unknown ? "how far apart voxels are"
+                                                   : "to which sides of the patient its axes run");
     p->has_place = geometry_has_place(geometry);
     memcpy(p->to_mm.m, geometry->to_mm, sizeof p->to_mm.m);
     memcpy(p->size, session->scene->grid.size, sizeof p->size);
     memcpy(p->scene, session->proof, sizeof p->scene);
     const struct kept *kept = &session->now.kept;
-    if (!err)
-        err = take_labels(p, session, fault);
-    if (!err)
-        err = take_gestures(p, noting, interp, fault);
-    for (size_t i = 0; !err && i < LANDMARKS && *kept->landmark[i].name; i++) {
+    TRY(take_labels(p, session, fault));
+    TRY(take_gestures(p, noting, interp, fault));
+    for (size_t i = 0; i < LANDMARKS && *kept->landmark[i].name; i++) {
         struct procedure_landmark *mark = &p->landmark[p->landmarks++];
         memcpy(mark->name, kept->landmark[i].name, sizeof mark->name);
         geometry_point(geometry, kept->landmark[i].place, mark->mm);
@@ -267,7 +265,7 @@ static enum err take_all(struct procedure *p, const struct noting *noting,
     p->left[LEFT_WEIGHTS] = kept->weight.kind == WEIGHT_FILE;
     p->left[LEFT_MASK] = *kept->mask_file != '\0';
     p->left[LEFT_RANGE] = kept->has_range != 0;
-    return !err && p->settings.failed ? fault_memory(fault, "a procedure") : err;
+    return p->settings.failed ? fault_memory(fault, "a procedure") : OK;
 }
 
 /* ---- from the replaying process ---- */
@@ -327,22 +325,20 @@ enum err procedure_text(struct buf *text, struct buf *image, const struct proced
     if (file_begins_with(source->path, PROCEDURE_BEGINS))
         return file_read(text, source->path, PROCEDURE_BYTES, fault);
     how.is_strict = true;
-    const enum err err = side_carry_out(&side, source->path, &how, &work, fault);
-    return err ? err : take_back(text, image, &side, source->path, fault);
+    TRY(side_carry_out(&side, source->path, &how, &work, fault));
+    return take_back(text, image, &side, source->path, fault);
 }
 
 enum err procedure_load(struct procedure *p, struct buf *image,
                         const struct procedure_source *source, struct fault *fault)
 {
     OWNED(buf_release) struct buf text = {0};
-    enum err err = procedure_text(&text, image, source, fault);
-    if (err)
-        return err;
-    err = procedure_read(p, buf_text(&text), text.length, fault);
+    TRY(procedure_text(&text, image, source, fault));
+    enum err err = procedure_read(p, buf_text(&text), text.length, fault);
     if (!err && image && image->length &&
         image->length != (size_t)2 * p->size[0] * p->size[1] * p->size[2])
         err = fault_set(fault, ERR_INPUT, "the answer of its process makes no sense");
-    return err ? fault_prefix(fault, err, "%s", source->path) : OK;
+    return fault_prefix(fault, err, "%s", source->path);
 }
 
 enum { RUNS_LINE = 90 };
@@ -660,12 +656,10 @@ static enum err read_gestures(struct reader *r, struct procedure *p)
         g.has_over = scan_text(&r->at, " over=");
         if (g.has_over && !take_set(r, &g.over))
             return refuse_line(r, "over=, and labels as in 0,3-7");
-        enum err err = procedure_add_gesture(p, &g, r->fault);
-        while (!err && *r->at == ' ')
-            err = take_reals(r, mm, 3) ? procedure_add_corner(p, mm, r->fault)
-                                       : refuse_line(r, "corners of three numbers each");
-        if (err)
-            return err;
+        TRY(procedure_add_gesture(p, &g, r->fault));
+        while (*r->at == ' ')
+            TRY(take_reals(r, mm, 3) ? procedure_add_corner(p, mm, r->fault)
+                                     : refuse_line(r, "corners of three numbers each"));
         if (g.within_mm > 0 && p->gesture[p->gestures - 1].corners > 1)
             return refuse_line(r, "a reach for a ball alone, and not for a stroke");
         if (!p->gesture[p->gestures - 1].corners || !ends_line(r))
@@ -709,28 +703,22 @@ enum err procedure_read(struct procedure *p, const char *bytes, size_t length, s
     if (length > PROCEDURE_BYTES || memchr(bytes, '\0', length))
         return fault_set(fault, ERR_INPUT,
                          "it is no procedure: it is too long, or has a zero byte");
-    enum err err = read_head(r, p);
-    if (!err && begins(r, "left"))
-        err = read_left(r, p);
-    while (!err && begins(r, "setting")) {
+    TRY(read_head(r, p));
+    if (begins(r, "left"))
+        TRY(read_left(r, p));
+    while (begins(r, "setting")) {
         const size_t n = strcspn(r->at, "\n");
         if (n < 2 || r->at[n] != '\n')
             return refuse_line(r, "a command");
         buf_add(&p->settings, r->at + 1, n);
         r->at += n + 1;
     }
-    if (!err && p->settings.failed)
-        err = fault_memory(r->fault, "a procedure");
-    if (!err)
-        err = read_labels(r, p);
-    if (!err)
-        err = read_landmarks(r, p);
-    if (!err)
-        err = read_gestures(r, p);
-    if (!err)
-        err = read_voxels(r, p);
-    if (err)
-        return err;
+    if (p->settings.failed)
+        return fault_memory(r->fault, "a procedure");
+    TRY(read_labels(r, p));
+    TRY(read_landmarks(r, p));
+    TRY(read_gestures(r, p));
+    TRY(read_voxels(r, p));
     sha256_bytes_hex(now, bytes, (size_t)(r->at - bytes));
     if (!begins(r, "digest") || !take_digits(r, p->digest, SHA256_HEX - 1) || !ends_line(r) ||
         r->at != r->end)

@@ -21,7 +21,7 @@ static enum err start_helper(struct coprocess *out, const char *task, uint64_t b
                              struct watch *watch, struct fault *fault)
 {
     const uint64_t available = mem_available();
-    const enum err err = coprocess_init(out, REGISTER_HELPER, register_helper_program, fault);
+    TRY(coprocess_init(out, REGISTER_HELPER, register_helper_program, fault));
     out->kind = "the register helper";
     out->made_of = COPROCESS_OF_ITK;
     out->package = "iftty-volume";
@@ -29,7 +29,7 @@ static enum err start_helper(struct coprocess *out, const char *task, uint64_t b
     out->memory = bytes < available ? bytes : available;
     out->watch = watch;
     out->doing = task;
-    return err ? err : coprocess_start(out, fault);
+    return coprocess_start(out, fault);
 }
 
 /* ---- FSL ---- */
@@ -136,12 +136,12 @@ static enum err take_file(struct affine *out, struct buf *kind, const struct buf
         return fault_set(
             fault, ERR_INPUT,
             "its sixteen numbers may mean anything; if FLIRT wrote them, name it as \"fsl:FILE\"");
-    const enum err err = read_by_helper(out, kind, bytes, fault);
+    TRY(read_by_helper(out, kind, bytes, fault));
     for (int i = 0; i < 3; i++) /* from LPS+ to RAS+: reverse x and y on both sides */
         for (int j = 0; j < 4; j++)
             if ((i < 2) != (j < 2))
                 out->m[i][j] = 0 - out->m[i][j];
-    return err;
+    return OK;
 }
 
 enum err transform_read(struct affine *out, struct buf *words, const char *path,
@@ -156,10 +156,8 @@ enum err transform_read(struct affine *out, struct buf *words, const char *path,
                          "%s: the file of the %s scene does not say where it is in the world, so a "
                          "transform's numbers have no meaning in it",
                          path, has_subject ? "procedure's" : "subject's");
-    enum err err = file_read(&bytes, path, BYTES_MOST, fault);
-    if (err)
-        return err;
-    err = take_file(&found, &kind, &bytes, is_fsl, subject, procedure, fault);
+    TRY(file_read(&bytes, path, BYTES_MOST, fault));
+    enum err err = take_file(&found, &kind, &bytes, is_fsl, subject, procedure, fault);
     if (!err && (!affine_is_finite(&found) || !affine_invert(&back, &found)))
         err = fault_set(fault, ERR_INPUT, "it has no inverse");
     if (!err && affine_determinant(&found) < 0)
@@ -172,8 +170,7 @@ enum err transform_read(struct affine *out, struct buf *words, const char *path,
                buf_text(&kind), is_fsl ? " (-ref)" : "");
     if (!err && (kind.failed || words->failed))
         err = fault_memory(fault, "a transform's name");
-    if (err)
-        return fault_prefix(fault, err, "%s", path);
+    TRY(fault_prefix(fault, err, "%s", path));
     *out = found;
     return OK;
 }
@@ -259,8 +256,8 @@ static enum err send_scene(struct coprocess *process, const struct reduced *from
         goes = task_advance(&task, (uint64_t)plane * factor[0] * factor[1] * factor[2]) &&
                coprocess_transmit(process, voxel, plane * sizeof *voxel);
     }
-    const enum err err = watch_fault(watch, fault);
-    return err || goes ? err : coprocess_fault(process, NULL, NULL, fault);
+    TRY(watch_fault(watch, fault));
+    return goes ? OK : coprocess_fault(process, NULL, NULL, fault);
 }
 
 /* ---- answer ---- */
@@ -275,9 +272,7 @@ static enum err receive_found(struct registration *out, struct coprocess *proces
     int64_t before = -1, step[2];
     for (;; before = step[0]) {
         const char *at = line;
-        const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
-        if (err)
-            return err;
+        TRY(coprocess_answer(process, line, NULL, NULL, fault));
         if (strcmp(line, "found") == 0)
             break;
         if (!scan_text(&at, "progress ") || !coprocess_numbers(at, 2, most, step) ||
@@ -371,14 +366,12 @@ enum err registration_find(struct registration *out, const struct placed_scene *
     const int length = snprintf(line, sizeof line, "register %u %u %u %u %u %u\n", a[0], a[1], a[2],
                                 b[0], b[1], b[2]);
     OWNED(coprocess_release) struct coprocess process;
-    enum err err = start_helper(&process, "registration", HELD_MOST, watch, fault);
-    if (!err && !coprocess_transmit(&process, line, (size_t)length))
-        err = coprocess_fault(&process, NULL, NULL, fault);
-    for (int i = 0; i < 2 && !err; i++)
-        err = send_scene(&process, &scene[i], watch, fault);
-    if (!err)
-        err = receive_found(out, &process, fault);
-    if (!err)
-        err = watch_fault(watch, fault);
-    return err ? err : check_result(out, fault);
+    TRY(start_helper(&process, "registration", HELD_MOST, watch, fault));
+    if (!coprocess_transmit(&process, line, (size_t)length))
+        return coprocess_fault(&process, NULL, NULL, fault);
+    for (int i = 0; i < 2; i++)
+        TRY(send_scene(&process, &scene[i], watch, fault));
+    TRY(receive_found(out, &process, fault));
+    TRY(watch_fault(watch, fault));
+    return check_result(out, fault);
 }

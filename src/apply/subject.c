@@ -90,13 +90,13 @@ static enum err open_scene(struct making *m)
     if (m->choice->volume >= 0)
         buf_printf(&line, " volume=%" PRId64, m->choice->volume);
     m->interp.has_options = true;
-    enum err err = execute_buf(m, &line);
-    if (!err && m->choice->orient) {
+    TRY(execute_buf(m, &line));
+    if (m->choice->orient) {
         buf_add_text(&line, "orient ");
         command_write_word(&line, m->choice->orient);
-        err = execute_buf(m, &line);
+        TRY(execute_buf(m, &line));
     }
-    return err ? err : session_complete(m->interp.session, m->fault);
+    return session_complete(m->interp.session, m->fault);
 }
 
 /* The commands may be a stranger's: allow only settings that read no file. */
@@ -118,9 +118,7 @@ static enum err execute_settings(struct making *m)
             return fault_set(m->fault, ERR_INPUT,
                              "the procedure has a setting that is not of weights or the finish: %s",
                              buf_text(&line));
-        const enum err err = execute_line(m, buf_text(&line));
-        if (err)
-            return err;
+        TRY(execute_line(m, buf_text(&line)));
     }
     return OK;
 }
@@ -143,27 +141,25 @@ static enum err name_label(struct making *m, unsigned l)
 static enum err number_labels(struct making *m)
 {
     const struct kept *kept = &m->interp.session->now.kept;
-    enum err err = OK;
-    for (unsigned l = 1; !err && l < 256; l++)
+    for (unsigned l = 1; l < 256; l++)
         if (m->procedure->label[l].number)
-            err = name_label(m, l);
-    for (unsigned l = 1; !err && l < 256; l++) {
+            TRY(name_label(m, l));
+    for (unsigned l = 1; l < 256; l++) {
         const int here = numbering_find(kept, m->number[l]);
         m->here[l] = (uint8_t)(here > 0 ? here : 0);
         m->there[m->here[l]] = (uint8_t)l;
     }
     m->there[0] = 0;
-    return err;
+    return OK;
 }
 
 static enum err name_labels(struct making *m)
 {
-    enum err err = OK;
-    for (unsigned l = 0; !err && l < 256; l++)
+    for (unsigned l = 0; l < 256; l++)
         if (*m->procedure->label[l].name && m->procedure->label[l].is_there &&
             !m->procedure->label[l].number)
-            err = name_label(m, l);
-    return err;
+            TRY(name_label(m, l));
+    return OK;
 }
 
 static bool find_voxel(int64_t place[3], const struct making *m, const double mm[3])
@@ -175,17 +171,16 @@ static bool find_voxel(int64_t place[3], const struct making *m, const double mm
 
 static enum err place_landmarks(struct making *m)
 {
-    enum err err = OK;
-    for (size_t i = 0; !err && i < m->choice->carry.landmarks; i++) {
+    for (size_t i = 0; i < m->choice->carry.landmarks; i++) {
         const struct procedure_landmark *mark = &m->choice->carry.landmark[i];
         int64_t at[3];
         struct buf line = {0};
         if (!find_voxel(at, m, mark->mm)) /* outside the scene; the fit still uses it */
             continue;
         buf_printf(&line, "landmark %s %d,%d,%d", mark->name, (int)at[0], (int)at[1], (int)at[2]);
-        err = execute_buf(m, &line);
+        TRY(execute_buf(m, &line));
     }
-    return err;
+    return OK;
 }
 
 /* ---- seeds ---- */
@@ -214,10 +209,8 @@ static enum err write_seeds(struct making *m, const struct volume_map *map, cons
         buf_add(&m->made, path, err ? 0 : strlen(path) + 1);
         return err;
     }
-    enum err err = file_draft(&draft, path, FILE_REPLACE, m->fault);
-    if (err)
-        return err;
-    err = volume_write(buf_text(&draft), FILE_REPLACE, map, watch, m->fault);
+    TRY(file_draft(&draft, path, FILE_REPLACE, m->fault));
+    enum err err = volume_write(buf_text(&draft), FILE_REPLACE, map, watch, m->fault);
     if (!err && !file_holds_same(buf_text(&draft), path))
         err = fault_set(m->fault, ERR_IO,
                         "%s exists, and is not the map of seeds that would be written; it was left "
@@ -232,7 +225,7 @@ static enum err prepare_labels(struct making *m)
 {
     struct session *session = m->interp.session;
     OWNED(buf_release) struct buf path = {0}, regions = {0}, as = {0};
-    enum err err = warp_seeds(&m->warped, session, m->choice->depth_mm, m->fault);
+    TRY(warp_seeds(&m->warped, session, m->choice->depth_mm, m->fault));
     const struct volume_map map = {.size = session->scene->grid.size,
                                    .geometry = &session->geometry,
                                    .type = VOXEL_UINT16,
@@ -250,17 +243,16 @@ static enum err prepare_labels(struct making *m)
             buf_printf(&as, "%s%u", as.length ? "," : "", m->number[label]);
         }
     }
-    if (!err && !regions.length)
-        err = fault_set(m->fault, ERR_CHECK, "no seed is left to plant");
-    if (!err && path.failed)
-        err = fault_memory(m->fault, "a path");
-    if (!err)
-        err = write_seeds(m, &map, buf_text(&path));
+    if (!regions.length)
+        return fault_set(m->fault, ERR_CHECK, "no seed is left to plant");
+    if (path.failed)
+        return fault_memory(m->fault, "a path");
+    TRY(write_seeds(m, &map, buf_text(&path)));
     buf_add_text(&m->seeds, "labels ");
     command_write_word(&m->seeds, file_name(buf_text(&path)));
     buf_printf(&m->seeds, " regions=%s as=%s erode=0 rest=none\n", buf_text(&regions),
                buf_text(&as));
-    return err;
+    return OK;
 }
 
 static void write_mm(struct buf *out, int64_t nm)
@@ -300,15 +292,13 @@ static enum err count_seeds(struct making *m, const struct procedure_gesture *g,
     const struct scene *scene = session->scene;
     OWNED(brush_release) struct brush brush = {0};
     OWNED(voxels_release) struct voxels voxels = {0};
-    enum err err = brush_init(&brush, scene->spacing_nm, radius_nm, BRUSH_REACH_MOST, m->fault);
-    if (!err)
-        err = paint_stroke(&voxels, &scene->grid, &brush, corner, g->corners, session->watch,
-                           m->fault);
+    TRY(brush_init(&brush, scene->spacing_nm, radius_nm, BRUSH_REACH_MOST, m->fault));
+    TRY(paint_stroke(&voxels, &scene->grid, &brush, corner, g->corners, session->watch, m->fault));
     *left = 0;
     for (size_t i = 0; i < voxels.count; i++)
         *left += warp_may_have(range, percentiles_value(session, voxels.cell[i]));
     note_label(m, g->label, voxels.count, voxels.count - *left);
-    return err;
+    return OK;
 }
 
 /* Append the command of a gesture, unless a corner is outside the scene or no seed is left. */
@@ -336,9 +326,9 @@ static enum err prepare_gesture(struct making *m, const struct procedure_gesture
     const struct decimal low = decimal_near(range[0], 9), high = decimal_near(range[1], 9);
     range[0] = decimal_value(&low);
     range[1] = decimal_value(&high);
-    const enum err err = count_seeds(m, g, radius_nm, (const uint32_t(*)[3])corner, range, &left);
-    if (err || !left)
-        return err;
+    TRY(count_seeds(m, g, radius_nm, (const uint32_t(*)[3])corner, range, &left));
+    if (!left)
+        return OK;
     buf_printf(&m->seeds, "seed %u,%u,%u %u", corner[0][0], corner[0][1], corner[0][2],
                m->number[g->label]);
     if (radius_nm) {
@@ -381,10 +371,8 @@ static enum err prepare_gestures(struct making *m)
     if (!affine_invert(&push, &m->subject->pull))
         return fault_set(m->fault, ERR_INPUT, "the transform has no inverse");
     for (size_t i = 0; i < p->gestures; i++) {
-        const enum err err = prepare_gesture(m, &p->gesture[i], &push,
-                                             cbrt(fabs(affine_determinant(&push))), corner);
-        if (err)
-            return err;
+        TRY(prepare_gesture(m, &p->gesture[i], &push, cbrt(fabs(affine_determinant(&push))),
+                            corner));
     }
     if (m->seeds.failed)
         return fault_memory(m->fault, "gestures");
@@ -452,8 +440,8 @@ static enum err walk_file(struct walk *walk, struct buf *bytes, const char *path
                           struct fault *fault)
 {
     *walk = (struct walk){0};
-    const enum err err = file_read(bytes, path, JOURNAL_BYTES_MAX, fault);
-    return err ? err : walk_begin(walk, buf_text(bytes), bytes->length, fault);
+    TRY(file_read(bytes, path, JOURNAL_BYTES_MAX, fault));
+    return walk_begin(walk, buf_text(bytes), bytes->length, fault);
 }
 
 /* Parse the twelve numbers of an origin. */
@@ -480,10 +468,10 @@ static enum err find_pull(struct affine *pull, const struct making *m)
     OWNED(walk_release) struct walk walk = {0};
     struct record record;
     bool found = false;
-    enum err err = walk_file(&walk, &bytes, buf_text(&m->subject->journal), m->fault);
-    while (!err && !found && walk_next_sound(&walk, &record) == WALK_RECORD)
+    TRY(walk_file(&walk, &bytes, buf_text(&m->subject->journal), m->fault));
+    while (!found && walk_next_sound(&walk, &record) == WALK_RECORD)
         found = read_pull(pull, record.command);
-    return err ? err : found ? OK : refuse_journal(m);
+    return found ? OK : refuse_journal(m);
 }
 
 /* Compare the journal with the draft, record by record. */
@@ -530,10 +518,10 @@ static enum err find_doubts(struct making *m)
     const struct hint_list *hints;
     if (session->now.kept.weight.kind == WEIGHT_POLARITY)
         return OK; /* has no hints */
-    const enum err err = session_find_hints(session, &hints, NULL, m->fault);
+    TRY(session_find_hints(session, &hints, NULL, m->fault));
     uint64_t border[256] = {0};
     count_borders(border, session);
-    for (size_t i = 0; !err && i < hints->count; i++) {
+    for (size_t i = 0; i < hints->count; i++) {
         const struct hint *hint = &hints->item[i];
         m->subject->label[m->there[hint->label]].doubt += hint->voxels;
         m->subject->label[m->there[hint->other]].doubt += hint->voxels;
@@ -542,7 +530,7 @@ static enum err find_doubts(struct making *m)
         const double share = m->subject->label[l].doubt / (2 * (double)border[m->here[l]] + 1);
         m->subject->label[l].doubt = fmin(share, 1);
     }
-    return err;
+    return OK;
 }
 
 /* The map of seeds has replaced the warped labels: warp them again. */
@@ -565,13 +553,11 @@ static enum err sum_up(struct making *m)
     const double voxel_mm3 = tally_voxel_mm3(&session->geometry);
     double share;
     uint64_t far[256];
-    enum err err = session_find_worst(session, &m->subject->worst, &share, m->fault);
-    if (!err)
-        err = find_doubts(m);
-    if (!err)
-        err = find_far(far, m);
+    TRY(session_find_worst(session, &m->subject->worst, &share, m->fault));
+    TRY(find_doubts(m));
+    TRY(find_far(far, m));
     m->subject->worst = m->there[m->subject->worst];
-    for (unsigned l = 1; !err && l < 256; l++) {
+    for (unsigned l = 1; l < 256; l++) {
         struct subject_label *label = &m->subject->label[l];
         label->voxels = session->tally.voxels[m->here[l]];
         label->mm3 = (double)label->voxels * voxel_mm3;
@@ -580,21 +566,21 @@ static enum err sum_up(struct making *m)
                                             3 * label->mm3 < 2 * label->expected_mm3 ||
                                             far[m->here[l]] * BAD_ONE_OF > label->voxels);
     }
-    return err;
+    return OK;
 }
 
 /* ---- all steps ---- */
 
 static enum err plant_seeds(struct making *m)
 {
-    enum err err = execute_line(m, buf_text(&m->origin));
-    for (char *at = m->seeds.data; !err && *at;) {
+    TRY(execute_line(m, buf_text(&m->origin)));
+    for (char *at = m->seeds.data; *at;) {
         char *end = at + strcspn(at, "\n");
         *end = '\0';
-        err = execute_line(m, at);
+        TRY(execute_line(m, at));
         at = end + 1;
     }
-    return err ? err : execute_line(m, "run");
+    return execute_line(m, "run");
 }
 
 static enum err prepare_seeds(struct making *m)
@@ -606,13 +592,11 @@ static enum err prepare_seeds(struct making *m)
         m->subject->label[l].expected_mm3 =
             (double)p->label[l].voxels * procedure_voxel_mm3(p) / shrinks;
     }
-    enum err err = warp_labels(&m->warped, p, m->interp.session, &m->subject->pull, m->fault);
-    if (err)
-        return err;
+    TRY(warp_labels(&m->warped, p, m->interp.session, &m->subject->pull, m->fault));
     warp_find_gates(&m->warped, p, m->choice->gate);
-    err = m->choice->plants == PLANT_LABELS ? prepare_labels(m) : prepare_gestures(m);
+    TRY(m->choice->plants == PLANT_LABELS ? prepare_labels(m) : prepare_gestures(m));
     write_origin(m);
-    return err ? err : m->origin.failed || m->seeds.failed ? fault_memory(m->fault, "seeds") : OK;
+    return m->origin.failed || m->seeds.failed ? fault_memory(m->fault, "seeds") : OK;
 }
 
 /* List all that is not carried over. */
@@ -651,10 +635,9 @@ static enum err make_journal(struct making *m)
     static enum err (*const step[])(struct making * m) = {
         open_scene,    carry_over,  number_labels, execute_settings, name_labels, place_landmarks,
         prepare_seeds, plant_seeds, sum_up};
-    enum err err = OK;
-    for (size_t i = 0; !err && i < sizeof step / sizeof *step; i++)
-        err = step[i](m);
-    return err ? err : journal_sync(m->interp.journal, m->fault);
+    for (size_t i = 0; i < sizeof step / sizeof *step; i++)
+        TRY(step[i](m));
+    return journal_sync(m->interp.journal, m->fault);
 }
 
 enum err subject_make(struct subject *subject, const struct procedure *procedure,

@@ -59,12 +59,12 @@ enum err warp_labels(struct warped *warped, const struct procedure *p,
                 *to = label_at(p, at);
                 common += *to++ != WARP_NONE;
             }
-    const enum err err = watch_fault(session->watch, fault);
-    if (!err && !common)
+    TRY(watch_fault(session->watch, fault));
+    if (!common)
         return fault_set(
             fault, ERR_INPUT,
             "no voxel of it is inside the procedure's scene: the scenes do not overlap");
-    return err ? err : percentiles_find(&warped->percentiles, session, warped->label, fault);
+    return percentiles_find(&warped->percentiles, session, warped->label, fault);
 }
 
 /* ---- gated ---- */
@@ -110,15 +110,14 @@ static enum err find_depths(uint16_t *depth, const struct warped *warped,
         for (uint32_t y = 0; y < grid->size[1]; y++)
             for (uint32_t x = 0; x < grid->size[0]; x++, i++)
                 squared[i] = differs(warped->label, grid, x, y, z, i) ? 0 : DISTANCE_NONE;
-    const enum err err =
-        distance_spread(squared, grid->size, &scale, session->team, session->watch, fault);
-    for (i = 0; !err && i < grid->voxels; i++) {
+    TRY(distance_spread(squared, grid->size, &scale, session->team, session->watch, fault));
+    for (i = 0; i < grid->voxels; i++) {
         const double mm = sqrt((double)squared[i]) * ((double)scale.unit_nm / 1e6);
         depth[i] = squared[i] == DISTANCE_NONE || mm >= (BINS - 1) * bin_mm
                        ? BINS - 1
                        : (uint16_t)(mm / bin_mm + 1e-9);
     }
-    return err;
+    return OK;
 }
 
 /* Deepest bin up to `most` that leaves a tenth of the voxels. */
@@ -143,9 +142,7 @@ enum err warp_seeds(struct warped *warped, const struct session *session, double
     unsigned least[256];
     if (!depth || !count)
         return fault_memory(fault, "the depth of labels");
-    const enum err err = find_depths(depth, warped, session, bin_mm, fault);
-    if (err)
-        return err;
+    TRY(find_depths(depth, warped, session, bin_mm, fault));
     for (size_t i = 0; i < grid->voxels; i++)
         if (warped->label[i] < 256)
             count[warped->label[i]][depth[i]]++;
@@ -236,11 +233,8 @@ static enum err count_far(uint64_t *far, uint64_t *squared, const struct extent 
                     else
                         *far += cell[x].label == label && squared[i] > most;
             }
-        const enum err err =
-            pass ? OK
-                 : distance_spread(squared, size, &scale, session->team, session->watch, fault);
-        if (err)
-            return err;
+        TRY(pass ? OK
+                 : distance_spread(squared, size, &scale, session->team, session->watch, fault));
     }
     return OK;
 }
@@ -251,14 +245,13 @@ enum err warp_count_far(uint64_t far[256], const struct warped *warped,
     OWNED(mem_release) struct extent *box = mem_new(256 * sizeof *box);
     OWNED(mem_release)
     uint64_t *squared = mem_array(session->scene->grid.voxels, sizeof *squared);
-    enum err err = OK;
     if (!box || !squared)
         return fault_memory(fault, "the distance of labels");
     find_extents(box, warped, session->scene);
-    for (unsigned l = 1; !err && l < 256; l++) {
+    for (unsigned l = 1; l < 256; l++) {
         far[l] = 0;
         if (box[l].is_there && session->tally.voxels[l])
-            err = count_far(&far[l], squared, &box[l], l, warped, session, fault);
+            TRY(count_far(&far[l], squared, &box[l], l, warped, session, fault));
     }
-    return err;
+    return OK;
 }

@@ -31,7 +31,7 @@ enum err fault_set(struct fault *fault, enum err code, const char *format, ...)
 
 enum err fault_prefix(struct fault *fault, enum err code, const char *format, ...)
 {
-    if (!fault)
+    if (!fault || !code)
         return code;
     char former[sizeof fault->text];
     va_list words;

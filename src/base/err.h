@@ -42,7 +42,7 @@ enum err fault_set(struct fault *fault, enum err code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* Put a printf-like text and ": " before the text of `fault`; return fault->code, or `code` if
- * `fault` is NULL. */
+ * `fault` is NULL. Change nothing and return OK if `code` is OK. */
 enum err fault_prefix(struct fault *fault, enum err code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -54,6 +54,15 @@ enum err fault_errno(struct fault *fault, const char *what, const char *path);
 
 /* Report that memory ran out, and its purpose. */
 enum err fault_memory(struct fault *fault, const char *purpose);
+
+/* Return the error of a call, if it fails, from the function that makes the call. Locals that own
+ * memory or a file are declared with OWNED (base/mem.h), so this return releases them too. */
+#define TRY(call)                                                                                  \
+    do {                                                                                           \
+        const enum err err_of_call = (call);                                                       \
+        if (err_of_call)                                                                           \
+            return err_of_call;                                                                    \
+    } while (0)
 
 int err_exit_status(enum err code);
 const char *err_name(enum err code);

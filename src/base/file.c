@@ -246,9 +246,7 @@ enum err file_read(struct buf *out, const char *path, size_t limit, struct fault
     uint64_t bytes;
     OWNED(file_release) int fd = -1;
     buf_clear(out);
-    const enum err err = file_open(&fd, &bytes, path, O_RDONLY, fault);
-    if (err)
-        return err;
+    TRY(file_open(&fd, &bytes, path, O_RDONLY, fault));
     for (ssize_t n = (ssize_t)piece; n == (ssize_t)piece;) {
         char *place = buf_reserve(out, piece);
         if (!place)
@@ -540,10 +538,8 @@ enum err file_may_write(const char *path, enum file_mode mode, struct fault *fau
 
 enum err file_draft(struct buf *draft, const char *path, enum file_mode mode, struct fault *fault)
 {
-    enum err err = file_may_write(path, mode, fault);
     buf_clear(draft);
-    if (err)
-        return err;
+    TRY(file_may_write(path, mode, fault));
     file_folder(draft, path);
     sweep_once(buf_text(draft));
     buf_add_char(draft, '/');
@@ -684,9 +680,9 @@ static enum err copy(const char *path, const char *backup, struct fault *fault)
 
 enum err file_backup(struct buf *backup, const char *path, struct fault *fault)
 {
-    enum err err = file_draft(backup, path, FILE_REPLACE, fault);
-    if (err || link_to(path, buf_text(backup)))
-        return err;
+    TRY(file_draft(backup, path, FILE_REPLACE, fault));
+    if (link_to(path, buf_text(backup)))
+        return OK;
     return is_not_supported() ? copy(path, buf_text(backup), fault)
                               : fault_errno(fault, "keep the former", path);
 }
@@ -720,10 +716,9 @@ enum err file_write(const char *path, const void *bytes, size_t length, enum fil
                     struct fault *fault)
 {
     OWNED(buf_release) struct buf draft = {0};
-    enum err err = file_draft(&draft, path, mode, fault);
-    if (!err)
-        err = write_draft(buf_text(&draft), path, bytes, length, fault);
-    return err ? err : file_publish(buf_text(&draft), path, mode, fault);
+    TRY(file_draft(&draft, path, mode, fault));
+    TRY(write_draft(buf_text(&draft), path, bytes, length, fault));
+    return file_publish(buf_text(&draft), path, mode, fault);
 }
 
 enum err file_write_beside(struct buf *name, const char *path, const char *kind, const void *bytes,
@@ -806,17 +801,15 @@ enum err folder_held(struct buf *path, const char *below, struct fault *fault)
 {
     OWNED(buf_release) struct buf holder = {0};
     sweep(usual_place(below), true);
-    enum err err = folder_fresh(path, below, fault);
-    if (err)
-        return err;
+    TRY(folder_fresh(path, below, fault));
     buf_printf(&holder, "%s/", buf_text(path));
     write_name(&holder, HOLDER_TAIL);
     OWNED(file_release)
     int fd = holder.failed ? -1 : open(buf_text(&holder), O_WRONLY | O_CREAT | O_EXCL, 0600);
     if (fd >= 0)
         return OK;
-    err = holder.failed ? fault_memory(fault, "a path")
-                        : fault_errno(fault, "make", buf_text(&holder));
+    enum err err = holder.failed ? fault_memory(fault, "a path")
+                                 : fault_errno(fault, "make", buf_text(&holder));
     rmdir(buf_text(path));
     buf_clear(path);
     return err;

@@ -49,9 +49,7 @@ static enum err open_locked(int *fd, bool *is_locked, const char *path, int flag
 {
     uint64_t bytes;
     for (;;) {
-        enum err err = file_open(fd, &bytes, path, flags, fault);
-        if (err)
-            return err;
+        TRY(file_open(fd, &bytes, path, flags, fault));
         *is_locked = lock_until(*fd, path, deadline);
         if (is_at_path(*fd, path) || clock_ns() >= deadline)
             return OK;
@@ -88,12 +86,10 @@ enum err file_lines_append(const char *path, const char *line, size_t length, st
     for (int i = 0; i < REPLACED_MOST; i++) {
         bool is_locked;
         OWNED(file_release) int fd = -1;
-        enum err err =
-            open_locked(&fd, &is_locked, path, O_RDWR | O_APPEND | O_CREAT, deadline, fault);
-        if (!err)
-            err = append_to(fd, path, line, length, fault);
-        if (err || is_at_path(fd, path))
-            return err;
+        TRY(open_locked(&fd, &is_locked, path, O_RDWR | O_APPEND | O_CREAT, deadline, fault));
+        TRY(append_to(fd, path, line, length, fault));
+        if (is_at_path(fd, path))
+            return OK;
     }
     return fault_set(fault, ERR_IO, "%s is replaced all the time", path);
 }
@@ -121,10 +117,10 @@ static enum err read_tail(struct buf *out, int fd, off_t end, size_t bytes_most,
     buf_clear(out);
     if (end < 0)
         return fault_errno(fault, "read", path);
-    enum err err = read_from(out, fd, whole ? 0 : end - (off_t)bytes_most,
-                             whole ? (size_t)end : bytes_most, path, fault);
-    if (err || whole || out->length == 0)
-        return err;
+    TRY(read_from(out, fd, whole ? 0 : end - (off_t)bytes_most, whole ? (size_t)end : bytes_most,
+                  path, fault));
+    if (whole || out->length == 0)
+        return OK;
     const char *feed = memchr(out->data, '\n', out->length);
     const size_t skip = feed ? (size_t)(feed - out->data) + 1 : out->length;
     memmove(out->data, out->data + skip, out->length - skip + 1);
@@ -139,8 +135,8 @@ enum err file_lines_read(struct buf *out, const char *path, size_t bytes_most, s
     buf_clear(out);
     if (!file_exists(path))
         return OK;
-    const enum err err = file_open(&fd, &bytes, path, O_RDONLY, fault);
-    return err ? err : read_tail(out, fd, (off_t)bytes, bytes_most, path, fault);
+    TRY(file_open(&fd, &bytes, path, O_RDONLY, fault));
+    return read_tail(out, fd, (off_t)bytes, bytes_most, path, fault);
 }
 
 const char *file_lines_last(const char *text, size_t length, size_t lines)
@@ -170,11 +166,10 @@ static enum err copy_late_lines(int fd, off_t from, const char *path, struct fau
 {
     OWNED(buf_release) struct buf late = {0};
     const off_t end = lseek(fd, 0, SEEK_END);
-    const enum err err =
-        end > from ? read_from(&late, fd, from, (size_t)(end - from), path, fault) : OK;
+    TRY(end > from ? read_from(&late, fd, from, (size_t)(end - from), path, fault) : OK);
     while (late.length > 0 && late.data[late.length - 1] == '\n')
         late.length--;
-    return err || !late.length ? err : file_lines_append(path, late.data, late.length, fault);
+    return late.length ? file_lines_append(path, late.data, late.length, fault) : OK;
 }
 
 enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
@@ -186,19 +181,17 @@ enum err file_lines_trim(const char *path, size_t lines_most, size_t bytes_most,
     bool is_locked;
     if (!file_exists(path))
         return OK;
-    enum err err = open_locked(&fd, &is_locked, path, O_RDWR, deadline_from_now(), fault);
-    if (err)
-        return err;
+    TRY(open_locked(&fd, &is_locked, path, O_RDWR, deadline_from_now(), fault));
     is_locked = is_locked || file_lock_take(&instead, fd, path, NULL) == OK; /* I5 */
     if (!is_locked || !is_at_path(fd, path))
         return OK;
     const off_t end = lseek(fd, 0, SEEK_END);
-    err = read_tail(&tail, fd, end, bytes_most, path, fault);
+    TRY(read_tail(&tail, fd, end, bytes_most, path, fault));
     const char *text = buf_text(&tail);
-    if (err || (end <= (off_t)bytes_most && file_lines_last(text, tail.length, lines_most) == text))
-        return err;
-    err = write_anew(path, &tail, lines_most, fault);
-    return err ? err : copy_late_lines(fd, end, path, fault);
+    if (end <= (off_t)bytes_most && file_lines_last(text, tail.length, lines_most) == text)
+        return OK;
+    TRY(write_anew(path, &tail, lines_most, fault));
+    return copy_late_lines(fd, end, path, fault);
 }
 
 enum { LOCK_BYTES_MOST = 4096 };
@@ -473,13 +466,10 @@ bool file_log_is_in_doubt(struct file_log *log)
 
 enum err file_log_set_sync(struct file_log *log, enum file_sync sync, struct fault *fault)
 {
-    enum err err = OK;
     if (sync == FILE_SYNC_ALWAYS)
-        err = file_log_sync(log, fault);
-    if (!err && sync == FILE_SYNC_EVERY_SECOND && !log->has_thread)
-        err = start_thread(log, fault);
-    if (err)
-        return err;
+        TRY(file_log_sync(log, fault));
+    if (sync == FILE_SYNC_EVERY_SECOND && !log->has_thread)
+        TRY(start_thread(log, fault));
     if (sync == FILE_SYNC_OFF)
         stop_thread(log);
     log->sync = sync;
@@ -633,11 +623,9 @@ enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
     const bool always = log->sync == FILE_SYNC_ALWAYS;
     const bool waits = always && may_wait && (log->has_thread || start_thread(log, NULL) == OK);
     const bool syncs = always && !waits;
-    enum err err = find_in_place(log, fault);
-    if (!err && (log->is_ragged || file_log_is_in_doubt(log)))
-        err = fault_set(fault, ERR_IO, "%s has not been repaired after a failure", log->path);
-    if (err)
-        return err;
+    TRY(find_in_place(log, fault));
+    if (log->is_ragged || file_log_is_in_doubt(log))
+        return fault_set(fault, ERR_IO, "%s has not been repaired after a failure", log->path);
     /* The bytes are new to the file: a failed sync loses only them and earlier unsynced bytes. */
     if (lseek(log->fd, (off_t)log->length, SEEK_SET) >= 0 &&
         file_step_write(log->fd, log->path, bytes, length) &&
@@ -647,7 +635,7 @@ enum err file_log_append(struct file_log *log, const void *bytes, size_t length,
             note_synced(log);
         return OK;
     }
-    err = fault_errno(fault, "append to", log->path);
+    enum err err = fault_errno(fault, "append to", log->path);
     log->is_ragged = true;
     if (syncs)
         doubt_unsynced_bytes(log);

@@ -104,9 +104,7 @@ static enum err take_text(struct json_reader *r, struct buf *out, struct fault *
             return expect(r, "control characters as \\n, \\t or \\u00NN", fault);
         if (point == '\\') {
             r->at++;
-            const enum err err = take_escape(r, out, fault);
-            if (err)
-                return err;
+            TRY(take_escape(r, out, fault));
             continue;
         }
         buf_add(out, left(r), n);
@@ -177,9 +175,7 @@ enum err json_read(struct json_reader *r, struct json_member *m, struct fault *f
     skip_blanks(r);
     if (here(r) != '"')
         return expect(r, "a key between double quotes", fault);
-    enum err err = take_text(r, &m->key, fault);
-    if (err)
-        return err;
+    TRY(take_text(r, &m->key, fault));
     skip_blanks(r);
     if (!take(r, ":"))
         return expect(r, "a colon after the key", fault);

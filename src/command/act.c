@@ -153,7 +153,7 @@ enum err act_label_file(const struct act *act)
 
 enum err act_prefix_file(const struct act *act, enum err err)
 {
-    return err ? fault_prefix(act->fault, err, "%s", act_text(act, "FILE")) : OK;
+    return fault_prefix(act->fault, err, "%s", act_text(act, "FILE"));
 }
 
 enum err act_go(const struct act *act)
@@ -209,15 +209,13 @@ enum err act_write_report(const struct act *act, const struct buf *text)
     struct buf *path = act_buf(act);
     if (!act_has(act, "report"))
         return OK;
-    enum err err = interpreter_output_path(act->interp, act_text(act, "report"), path, act->fault);
-    if (err || !path->length)
-        return err;
-    err = interpreter_will_write(act->interp, buf_text(path), mode, act->fault);
-    if (!err)
-        err = file_write(buf_text(path), buf_text(text), text->length, mode, act->fault);
-    if (!err)
-        act_write_file_line("wrote ", buf_text(path), act->reply);
-    return err;
+    TRY(interpreter_output_path(act->interp, act_text(act, "report"), path, act->fault));
+    if (!path->length)
+        return OK;
+    TRY(interpreter_will_write(act->interp, buf_text(path), mode, act->fault));
+    TRY(file_write(buf_text(path), buf_text(text), text->length, mode, act->fault));
+    act_write_file_line("wrote ", buf_text(path), act->reply);
+    return OK;
 }
 
 struct map_place act_map_place(const struct act *act)
@@ -235,11 +233,8 @@ enum err act_read_map(const struct act *act, struct volume *map, uint32_t first,
     struct watch *watch = act->session->watch;
     const struct map_place place = act_map_place(act);
     struct buf *path = act_buf(act);
-    enum err err = interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault);
-    if (!err)
-        err = map_read(map, buf_text(path), &place, watch, act->fault);
-    if (err)
-        return err;
+    TRY(interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault));
+    TRY(map_read(map, buf_text(path), &place, watch, act->fault));
     buf_add_text(&act->reply->text, map->notes);
     return act_prefix_file(act, map_to_regions(map, first, last, watch, act->fault));
 }
@@ -252,10 +247,9 @@ static enum err get_labels(const struct act *act, bool finished, struct labels *
     *labels = labels_of_forest(session->scene);
     if (session->skims || !finished)
         return OK;
-    const enum err err = session_labels(session, true, labels, act->fault);
-    if (!err)
-        act_add_digest(act, "finished", session_finished_digest(session));
-    return err;
+    TRY(session_labels(session, true, labels, act->fault));
+    act_add_digest(act, "finished", session_finished_digest(session));
+    return OK;
 }
 
 enum err act_write_losses(struct interpreter *interp, const struct labels *labels, bool only_new,
@@ -263,9 +257,7 @@ enum err act_write_losses(struct interpreter *interp, const struct labels *label
 {
     struct label_loss loss;
     struct session *session = interp->session;
-    const enum err err = label_loss_find(&loss, labels, session->team, watch, fault);
-    if (err)
-        return err;
+    TRY(label_loss_find(&loss, labels, session->team, watch, fault));
     interp->losses_of = session_finish_source(session);
     for (unsigned l = 1; l < 256; l++) {
         const bool was_named = interp->names_loss[l];
@@ -289,9 +281,9 @@ enum err act_take_labels(const struct act *act, struct labels *labels)
         buf_clear(&act->reply->canonical);
         command_write(&act->reply->canonical, &said);
     }
-    const enum err err = get_labels(act, finished, labels);
-    if (err || !labels->finished || act->interp->mode != MODE_LIVE)
-        return err;
+    TRY(get_labels(act, finished, labels));
+    if (!labels->finished || act->interp->mode != MODE_LIVE)
+        return OK;
     return act_write_losses(act->interp, labels, false, act->session->watch, &act->reply->text,
                             act->fault);
 }

@@ -33,10 +33,8 @@ enum err act_landmark(const struct act *act)
     struct landmark *mark = act->next->kept.landmark;
     const char *name = act_text(act, "NAME");
     const bool goes = act_has(act, "PLACE") && act_text(act, "PLACE");
-    const enum err err = act_check_name(name, LANDMARK_NAME_BYTES, act->fault);
+    TRY(act_check_name(name, LANDMARK_NAME_BYTES, act->fault));
     size_t at = 0;
-    if (err)
-        return err;
     while (at < LANDMARKS && *mark[at].name && strcmp(mark[at].name, name) != 0)
         at++;
     if (goes && (at == LANDMARKS || !*mark[at].name))
@@ -114,14 +112,10 @@ enum err act_origin(const struct act *act)
             return fault_set(act->fault, ERR_USAGE,
                              "%s: expected the 64 digits of a SHA-256, not %s", digest[i], text);
     }
-    enum err err = check_pull(act);
+    TRY(check_pull(act));
     memset(kept->origin_mm3, 0, sizeof kept->origin_mm3);
-    if (!err)
-        err = read_pairs(act, "volumes", kept->origin_mm3);
-    if (!err)
-        err = read_pairs(act, "dropped", NULL);
-    if (err)
-        return err;
+    TRY(read_pairs(act, "volumes", kept->origin_mm3));
+    TRY(read_pairs(act, "dropped", NULL));
     if (!is_none)
         buf_printf(words, "procedure %s", procedure);
     if (act_has(act, "by"))
@@ -185,22 +179,20 @@ enum err act_pick(const struct act *act)
     const int64_t of = act_number(act, "of"); /* 0: the rendition */
     uint32_t cell = CELL_NONE;
     struct labels labels;
-    enum err err = session_labels(session, session_shows_finished(session), &labels, act->fault);
-    if (!err && !of && !session_rendered(session))
-        err = fault_set(act->fault, ERR_USAGE, "the rendition is not up to date; `render` first");
-    if (!err && !of) /* the pilot's rendition may have another zoom */
-        err = session_draw_labels(session, &labels, RENDER_AS_KEPT, act->fault);
+    TRY(session_labels(session, session_shows_finished(session), &labels, act->fault));
+    if (!of && !session_rendered(session))
+        return fault_set(act->fault, ERR_USAGE, "the rendition is not up to date; `render` first");
+    if (!of) /* the pilot's rendition may have another zoom */
+        TRY(session_draw_labels(session, &labels, RENDER_AS_KEPT, act->fault));
     const struct rendition *r = session_frame(session);
     const struct view *view = &session->now.outlook.view;
     const uint32_t width = of ? view->width : r->width, height = of ? view->height : r->height;
-    if (!err && (column >= width || row >= height))
-        err = fault_set(act->fault, ERR_INPUT, "pixel %u,%u is outside the picture of %ux%u",
-                        column, row, width, height);
-    if (!err && of) /* by the picture that would be drawn now */
-        err = slicing_cell_at(&cell, session, (enum slice_kind)(of - 1), &labels, column, row,
-                              act->fault);
-    if (err)
-        return err;
+    if (column >= width || row >= height)
+        return fault_set(act->fault, ERR_INPUT, "pixel %u,%u is outside the picture of %ux%u",
+                         column, row, width, height);
+    if (of) /* by the picture that would be drawn now */
+        TRY(slicing_cell_at(&cell, session, (enum slice_kind)(of - 1), &labels, column, row,
+                            act->fault));
     cell = of ? cell : r->cell[(size_t)row * width + column];
     if (cell == CELL_NONE) {
         buf_printf(&act->reply->text, "pixel %u,%u shows %s\n", column, row,
@@ -390,9 +382,9 @@ static enum err write_rival(const struct act *act, uint32_t at)
     struct rival rival;
     if (forest_arcs(session->forest)->kind == ARC_POLARITY)
         return OK;
-    const enum err err = rival_find(&rival, session->forest, at, act->fault);
-    if (err || !rival.exists)
-        return err;
+    TRY(rival_find(&rival, session->forest, at, act->fault));
+    if (!rival.exists)
+        return OK;
     buf_add_text(&act->reply->text, "next is label ");
     label_report_write_name(&act->reply->text, session, rival.label);
     if (rival.cost == key_cost(session->scene->cell[at].key))
@@ -416,9 +408,7 @@ enum err act_why(const struct act *act)
         return OK;
     buf_printf(&act->reply->text, "cost %u, %u step%s since it last rose\n", key_cost(cell->key),
                key_hops(cell->key), plural(key_hops(cell->key)));
-    const enum err err = way_find(&way, session->forest, place, act->fault);
-    if (err)
-        return err;
+    TRY(way_find(&way, session->forest, place, act->fault));
     size_t rises = 0;
     for (size_t i = 0; i + 1 < way.count && rises < RISES_MOST; i++) {
         const uint64_t key = session->scene->cell[way.cell[i]].key;
@@ -442,8 +432,8 @@ enum { LISTED = 10 }; /* default of COUNT */
 static enum err find_hints(const struct act *act, const struct hint_list **hints)
 {
     struct session *session = act->session;
-    const enum err err = session_catch_up(session, act->fault);
-    return err ? err : session_find_hints(session, hints, NULL, act->fault);
+    TRY(session_catch_up(session, act->fault));
+    return session_find_hints(session, hints, NULL, act->fault);
 }
 
 /* ---- in words ---- */
@@ -457,7 +447,7 @@ static enum err write_hint(const struct act *act, const struct hint *hint, size_
     const struct place p = grid_place(&session->scene->grid, hint->cell);
     struct buf *out = &act->reply->text;
     OWNED(way_release) struct way way = {0};
-    const enum err err = way_find(&way, session->forest, hint->cell, act->fault);
+    TRY(way_find(&way, session->forest, hint->cell, act->fault));
     buf_printf(out, "%zu  at %u,%u,%u: %u voxel%s", number, p.x, p.y, p.z, hint->voxels,
                plural(hint->voxels));
     if (!session->geometry.spacing_unknown) {
@@ -469,12 +459,12 @@ static enum err write_hint(const struct act *act, const struct hint *hint, size_
     buf_printf(out, " at a cost of %u, label ", cost);
     label_report_write_name(out, session, hint->other);
     buf_printf(out, " at %u, an edge of %u between them", cost + hint->margin, hint->edge);
-    if (!err && way.edge != CELL_NONE) {
+    if (way.edge != CELL_NONE) {
         const struct place edge = grid_place(&session->scene->grid, way.edge);
         buf_printf(out, "; strongest edge into %u,%u,%u", edge.x, edge.y, edge.z);
     }
     buf_add_char(out, '\n');
-    return err;
+    return OK;
 }
 
 /* ---- for programs ---- */
@@ -551,11 +541,9 @@ static enum err hint_slices(const struct act *act)
         return fault_set(act->fault, ERR_USAGE,
                          label ? "report: only for places, not for slices"
                                : "label: expected an object, not the background");
-    enum err err = session_catch_up(session, act->fault);
-    if (!err)
-        err = session_labels(session, session_shows_finished(session), &labels, act->fault);
-    if (!err)
-        err = doubtful_find(slice, &count, session, label, act->fault);
+    TRY(session_catch_up(session, act->fault));
+    TRY(session_labels(session, session_shows_finished(session), &labels, act->fault));
+    TRY(doubtful_find(slice, &count, session, label, act->fault));
     for (size_t i = 0; i < count; i++) {
         uint32_t at[3] = {0};
         buf_printf(out, "%zu  ", i + 1);
@@ -564,11 +552,9 @@ static enum err hint_slices(const struct act *act)
             buf_printf(out, ", at %u,%u,%u", at[0], at[1], at[2]);
         buf_add_char(out, '\n');
     }
-    if (!err)
-        buf_add_text(out,
-                     count ? "`cross X,Y,Z` goes there; `outline` marks the object in that slice\n"
-                           : "no slice: there is no border, or its place is certain\n");
-    return err;
+    buf_add_text(out, count ? "`cross X,Y,Z` goes there; `outline` marks the object in that slice\n"
+                            : "no slice: there is no border, or its place is certain\n");
+    return OK;
 }
 
 enum err act_hints(const struct act *act)
@@ -583,30 +569,28 @@ enum err act_hints(const struct act *act)
     if (report && !file_is_named(report, ".json"))
         return fault_set(act->fault, ERR_USAGE,
                          "report: expected a name that ends in .json, not %s", report);
-    enum err err = find_hints(act, &hints);
+    TRY(find_hints(act, &hints));
     unsigned worst = 0;
     double share = 1;
-    if (!err)
-        err = session_find_worst(act->session, &worst, &share, act->fault);
+    TRY(session_find_worst(act->session, &worst, &share, act->fault));
     if (worst && !act_has(act, "label")) {
         buf_add_text(out, "first label ");
         label_report_write_name(out, act->session, worst);
         buf_printf(out, ", which has %.0f %% of the procedure's volume\n", 100 * share);
     }
-    if (!err)
-        err = write_report(act, hints);
-    for (size_t i = 0; !err && i < hints->count; i++) {
+    TRY(write_report(act, hints));
+    for (size_t i = 0; i < hints->count; i++) {
         if (!is_wanted(act, hints->item + i))
             continue;
         if (wanted++ < most)
-            err = write_hint(act, hints->item + i, i + 1);
+            TRY(write_hint(act, hints->item + i, i + 1));
     }
-    if (!err && !wanted)
+    if (!wanted)
         buf_add_text(out, hints->count ? "none at the border of that label\n"
                                        : "no labels meet: there is no border to be uncertain of\n");
-    else if (!err)
+    else
         buf_printf(out, "%zu place%s in all; `hint N` leads to one\n", wanted, plural(wanted));
-    return err;
+    return OK;
 }
 
 /* Record the resulting `cross`, so that a replay does not search again. */
@@ -614,9 +598,7 @@ enum err act_hint(const struct act *act)
 {
     const size_t number = (size_t)act_number(act, "N");
     const struct hint_list *hints;
-    enum err err = find_hints(act, &hints);
-    if (err)
-        return err;
+    TRY(find_hints(act, &hints));
     if (!hints->count)
         return fault_set(act->fault, ERR_INPUT,
                          "no labels meet: there is no border to be uncertain of; nothing has "
@@ -628,10 +610,10 @@ enum err act_hint(const struct act *act)
                          hints->count, number);
     const struct hint *hint = hints->item + number - 1;
     uint32_t *cross = act->next->outlook.slices.cross;
-    err = write_hint(act, hint, number);
+    TRY(write_hint(act, hint, number));
     act_write_waiting(act);
     grid_find(&act->session->scene->grid, hint->cell, cross);
     buf_clear(&act->reply->canonical);
     buf_printf(&act->reply->canonical, "cross %u,%u,%u", cross[0], cross[1], cross[2]);
-    return err ? err : act_go(act);
+    return act_go(act);
 }

@@ -56,13 +56,13 @@ enum err act_write_counts(const struct act *act)
     struct counts counts;
     uint32_t number[256];
     uint8_t order[256];
-    const enum err err = count_labels(&counts, act);
+    TRY(count_labels(&counts, act));
     numbering_fill(number, &act->session->now.kept);
     numbering_order(order, number);
-    for (unsigned i = 0; !err && i < 256; i++)
+    for (unsigned i = 0; i < 256; i++)
         if (counts.voxels[order[i]])
             write_counts(act, &counts, order[i]);
-    return err;
+    return OK;
 }
 
 /* ---- the answer ---- */
@@ -94,16 +94,15 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
         .geometry = &session->geometry,
         .levels = session->levels,
         .listed = listed};
-    enum err err = count_labels(&counts, act);
+    TRY(count_labels(&counts, act));
     for (unsigned label = 1; label < 256; label++)
         listed[label] = counts.voxels[label] || counts.seeds[label] || *report.label_name[label];
     if (file && file_is_named(file, ".json"))
         label_report_write_json(text, &report);
     else if (file)
         label_report_write_csv(text, &report);
-    if (!err)
-        err = act_write_report(act, text);
-    for (unsigned i = 0; !err && i < 256; i++) {
+    TRY(act_write_report(act, text));
+    for (unsigned i = 0; i < 256; i++) {
         const unsigned label = order[i];
         if (labels->finished)
             counts.voxels[label] = (size_t)stats[label].sums.voxels;
@@ -113,8 +112,6 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
         if (label && stats[label].sums.voxels)
             label_report_write_text(out, &report, label);
     }
-    if (err)
-        return err;
     act_write_no_seeds(act);
     buf_add_text(out, "weight ");
     act_write_weight(out, &session->now.kept);
@@ -133,12 +130,10 @@ enum err act_stats(const struct act *act)
 {
     struct labels labels;
     OWNED(mem_release) struct label_stats *stats = mem_array(256, sizeof *stats);
-    enum err err = stats ? act_check_report(act) : fault_memory(act->fault, "counts of labels");
-    if (!err)
-        err = act_take_labels(act, &labels);
-    if (!err)
-        err = session_find_stats(act->session, &labels, stats, act->fault);
-    return err ? err : answer_stats(act, stats, &labels);
+    TRY(stats ? act_check_report(act) : fault_memory(act->fault, "counts of labels"));
+    TRY(act_take_labels(act, &labels));
+    TRY(session_find_stats(act->session, &labels, stats, act->fault));
+    return answer_stats(act, stats, &labels);
 }
 
 /* ---- `compare` ---- */
@@ -150,9 +145,7 @@ static enum err get_own_labels(uint8_t **own, const struct act *act, struct labe
     const struct value *only = act_value(act, "label");
     uint8_t *label = *own = mem_array(grid->voxels, 1);
     struct grid_walk walk = scene_walk(act->session->scene, "present labels", NULL, 0);
-    enum err err = label ? act_take_labels(act, labels) : fault_memory(act->fault, "the labels");
-    if (err)
-        return err;
+    TRY(label ? act_take_labels(act, labels) : fault_memory(act->fault, "the labels"));
     while (grid_walk_next(&walk)) {
         labels_copy_row(labels, walk.row, label);
         for (const uint8_t *end = label + grid->size[0]; label < end; label++)
@@ -169,16 +162,12 @@ static enum err get_map_labels(uint8_t **labels, struct kept *kept, bool listed[
     OWNED(volume_release) struct volume map = {0};
     OWNED(regions_release) struct regions regions = {0};
     OWNED(mem_release) uint16_t *as = NULL;
-    enum err err = act_choose_regions(&regions, act, act_value(act, "label"));
-    if (!err)
-        err = act_read_map(act, &map, 0, UINT32_MAX);
-    if (!err && !act_has(act, "label"))
-        err = act_prefix_file(act,
-                              numbering_admit(kept, &map, &regions, &session->markers, act->fault));
-    if (!err)
-        err = regions_table(&as, &regions, &map, kept, act->fault);
-    if (err)
-        return err;
+    TRY(act_choose_regions(&regions, act, act_value(act, "label")));
+    TRY(act_read_map(act, &map, 0, UINT32_MAX));
+    if (!act_has(act, "label"))
+        TRY(act_prefix_file(act,
+                            numbering_admit(kept, &map, &regions, &session->markers, act->fault)));
+    TRY(regions_table(&as, &regions, &map, kept, act->fault));
     if (act_has(act, "label"))
         listed[act_number(act, "label")] = true;
     else if (act_has(act, "regions"))
@@ -199,15 +188,14 @@ static enum err write_picture(const struct act *act, const char *which, const st
     struct buf *path = act_buf(act);
     if (!act_has(act, which))
         return OK;
-    enum err err = interpreter_output_path(act->interp, act_text(act, which), path, act->fault);
-    if (err || !path->length)
-        return err;
-    err = strcmp(which, "picture") == 0
-              ? comparison_picture_draw(&picture, act->session, report, place, act->fault)
-              : distance_picture_draw(&picture, act->session, report, false, act->fault);
-    if (!err)
-        err = act_note_picture(act, labels, &picture);
-    return err ? err : act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
+    TRY(interpreter_output_path(act->interp, act_text(act, which), path, act->fault));
+    if (!path->length)
+        return OK;
+    TRY(strcmp(which, "picture") == 0
+            ? comparison_picture_draw(&picture, act->session, report, place, act->fault)
+            : distance_picture_draw(&picture, act->session, report, false, act->fault));
+    TRY(act_note_picture(act, labels, &picture));
+    return act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
 }
 
 static enum err answer_comparison(const struct act *act, const struct labels *labels,
@@ -224,13 +212,9 @@ static enum err answer_comparison(const struct act *act, const struct labels *la
         comparison_write_json(text, &report);
     else if (file)
         comparison_write_csv(text, &report);
-    enum err err = act_write_report(act, text);
-    if (!err)
-        err = write_picture(act, "picture", labels, &report);
-    if (!err)
-        err = write_picture(act, "surface", labels, &report);
-    if (err)
-        return err;
+    TRY(act_write_report(act, text));
+    TRY(write_picture(act, "picture", labels, &report));
+    TRY(write_picture(act, "surface", labels, &report));
     comparison_write_text(&act->reply->text, &report);
     act_write_no_seeds(act);
     return OK;
@@ -244,20 +228,17 @@ enum err act_compare(const struct act *act)
     struct kept *kept = &act->next->kept; /* and the labels of the map, which are not applied */
     OWNED(mem_release) struct comparison *comparison = mem_new(sizeof *comparison);
     OWNED(mem_release) uint8_t *own = NULL, *other = NULL;
-    enum err err = comparison ? act_check_report(act) : fault_memory(act->fault, "a comparison");
-    if (!err && act_has(act, "at") && !act_has(act, "picture"))
-        err = fault_set(act->fault, ERR_USAGE,
-                        "at: the place of the picture's slices; expected picture=FILE too");
+    TRY(comparison ? act_check_report(act) : fault_memory(act->fault, "a comparison"));
+    if (act_has(act, "at") && !act_has(act, "picture"))
+        return fault_set(act->fault, ERR_USAGE,
+                         "at: the place of the picture's slices; expected picture=FILE too");
     for (unsigned label = 1; label < 256 && !act_has(act, "label"); label++)
         listed[label] = *session->now.kept.label_name[label];
-    if (!err)
-        err = get_map_labels(&other, kept, listed, act);
-    if (!err)
-        err = get_own_labels(&own, act, &labels);
+    TRY(get_map_labels(&other, kept, listed, act));
+    TRY(get_own_labels(&own, act, &labels));
     struct compared compared = {.label = {own, other}};
     memcpy(compared.size, session->scene->grid.size, sizeof compared.size);
     memcpy(compared.spacing_nm, session->scene->spacing_nm, sizeof compared.spacing_nm);
-    if (!err)
-        err = comparison_make(comparison, &compared, session->team, session->watch, act->fault);
-    return err ? err : answer_comparison(act, &labels, comparison, kept, listed);
+    TRY(comparison_make(comparison, &compared, session->team, session->watch, act->fault));
+    return answer_comparison(act, &labels, comparison, kept, listed);
 }

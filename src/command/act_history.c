@@ -27,9 +27,7 @@ static enum err go_to_point(const struct act *act, uint32_t to, uint32_t branch,
     struct history *history = &act->interp->history;
     const struct branch *on = history->branch + branch;
     struct reply *reply = act->reply;
-    const enum err err = history_go(history, act->session, to, branch, moves_tip, act->fault);
-    if (err)
-        return err;
+    TRY(history_go(history, act->session, to, branch, moves_tip, act->fault));
     buf_printf(&reply->words, "at=%zu on=%s", history->point[to].record, on->name);
     buf_add_text(&reply->text, "after ");
     write_point(&reply->text, history, to);
@@ -51,9 +49,7 @@ static enum err go_by(const struct act *act, bool back)
     const size_t wanted = (size_t)act_number_or(act, "COUNT", 1);
     size_t count = wanted;
     uint32_t to;
-    const enum err err = history_step(history, back, &count, &to, act->fault);
-    if (err)
-        return err;
+    TRY(history_step(history, back, &count, &to, act->fault));
     if (count < wanted)
         buf_printf(&act->reply->text, "only %zu command%s could be %s, not %zu\n", count,
                    plural(count), back ? "undone" : "done again", wanted);
@@ -85,20 +81,17 @@ enum err act_redo(const struct act *act)
 enum err act_goto(const struct act *act)
 {
     uint32_t to, branch;
-    enum err err =
-        history_find(&act->interp->history, act_text(act, "PLACE"), &to, &branch, act->fault);
-    return err ? err : go_to_point(act, to, branch, false);
+    TRY(history_find(&act->interp->history, act_text(act, "PLACE"), &to, &branch, act->fault));
+    return go_to_point(act, to, branch, false);
 }
 
 enum err act_branch(const struct act *act)
 {
     const char *name = act_text(act, "NAME");
-    enum err err = act_check_name(name, BRANCH_NAME_BYTES, act->fault);
-    if (!err)
-        err = history_branch(&act->interp->history, name, act->fault);
-    if (!err)
-        buf_printf(&act->reply->words, "branch=%s", name);
-    return err;
+    TRY(act_check_name(name, BRANCH_NAME_BYTES, act->fault));
+    TRY(history_branch(&act->interp->history, name, act->fault));
+    buf_printf(&act->reply->words, "branch=%s", name);
+    return OK;
 }
 
 /* Add a line for each of the last `count` points, the latest last, with branches. */
@@ -198,9 +191,8 @@ enum err act_journal(const struct act *act)
             act->fault, ERR_INPUT,
             "`journal` is not allowed in the script of a journal, which does not contain its file");
     if (act_has(act, "FILE")) {
-        const enum err err = record_in(act, act_text(act, "FILE"));
-        if (err)
-            return fault_prefix(act->fault, err, "the journal stays where it was");
+        TRY(fault_prefix(act->fault, record_in(act, act_text(act, "FILE")),
+                         "the journal stays where it was"));
         interp->new_journal = NULL;
     }
     if (!interp->journal) {
@@ -229,8 +221,7 @@ enum err act_sync(const struct act *act)
     if (act->interp->journal)
         err = act_has(act, "WHEN") ? journal_set_sync(act->interp->journal, sync, act->fault)
                                    : journal_sync(act->interp->journal, act->fault);
-    if (err)
-        return fault_prefix(act->fault, err, "`journal FILE` continues in another file");
+    TRY(fault_prefix(act->fault, err, "`journal FILE` continues in another file"));
     act->interp->sync = sync;
     buf_printf(&act->reply->text, "%s\n", words[sync]);
     return OK;

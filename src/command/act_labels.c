@@ -29,8 +29,8 @@ enum { TAKEN_MOST = 256 }; /* seeds in the record of one command */
 /* The tree of a voxel is known only in an up-to-date forest. */
 static enum err find_removed(const struct act *act, struct voxels *v)
 {
-    const enum err err = session_catch_up(act->session, act->fault);
-    return err ? err : act_find_voxels(act, NULL, v);
+    TRY(session_catch_up(act->session, act->fault));
+    return act_find_voxels(act, NULL, v);
 }
 
 /* ---- single trees ---- */
@@ -151,10 +151,7 @@ enum err act_remove(const struct act *act)
 {
     enum { MARKER };
     struct session *session = act->session;
-    const enum err err =
-        act_number_or(act, "of", MARKER) == MARKER ? remove_markers(act) : remove_trees(act);
-    if (err)
-        return err;
+    TRY(act_number_or(act, "of", MARKER) == MARKER ? remove_markers(act) : remove_trees(act));
     const uint32_t *p = act_place(act, "PLACE");
     const uint32_t cell = grid_cell(&session->scene->grid, p[0], p[1], p[2]);
     return session_note_eliminator(session, cell, act->fault);
@@ -181,10 +178,10 @@ static enum err find_copy(struct buf *path, const struct act *act, const char *d
     buf_clear(path);
     if (!interp->home.length)
         return OK;
-    const enum err err = golden_folder(path, buf_text(&interp->home), act->fault);
+    TRY(golden_folder(path, buf_text(&interp->home), act->fault));
     buf_add_char(path, '/');
     label_copy_name(path, digest);
-    return err;
+    return OK;
 }
 
 /* Write the copy, unless it exists: then its content is the same. Nothing is written for a journal
@@ -205,18 +202,15 @@ static enum err keep_copy(const struct act *act, const struct volume *map,
         *of = (struct volume_label){.name = entry->name, .number = entry->number, .used = true};
         memcpy(of->rgb, entry->rgb, sizeof of->rgb);
     }
-    enum err err = find_copy(path, act, digest);
-    if (err || !path->length || only_looks || file_exists(buf_text(path)))
-        return err;
-    err = golden_files_open(&files, buf_text(&interp->home), true, act->fault);
-    if (!err)
-        err = interpreter_will_write(interp, buf_text(path), FILE_KEEP, act->fault);
-    if (!err)
-        err = label_copy_write(buf_text(path), map, names->count ? label : NULL,
-                               &act->session->geometry, act->session->watch, act->fault);
-    if (!err)
-        act_write_file_line("copied to ", buf_text(path), act->reply);
-    return err;
+    TRY(find_copy(path, act, digest));
+    if (!path->length || only_looks || file_exists(buf_text(path)))
+        return OK;
+    TRY(golden_files_open(&files, buf_text(&interp->home), true, act->fault));
+    TRY(interpreter_will_write(interp, buf_text(path), FILE_KEEP, act->fault));
+    TRY(label_copy_write(buf_text(path), map, names->count ? label : NULL, &act->session->geometry,
+                         act->session->watch, act->fault));
+    act_write_file_line("copied to ", buf_text(path), act->reply);
+    return OK;
 }
 
 /* ---- the labels ---- */
@@ -248,10 +242,10 @@ static enum err number_regions(struct buf *numbers, const uint16_t *as, const st
     if (!has)
         return fault_memory(act->fault, "the regions");
     numbering_list(numbers, as, map, has, &act->session->now.kept);
-    const enum err err = numbers->length ? apply_numbers(act, buf_text(numbers)) : OK;
-    if (err || !numbers->length || act_has(act, "regions") ||
+    TRY(numbers->length ? apply_numbers(act, buf_text(numbers)) : OK);
+    if (!numbers->length || act_has(act, "regions") ||
         !file_is_named(act_text(act, "FILE"), ".seg.nrrd"))
-        return err;
+        return OK;
     struct kept *kept = &act->next->kept;
     for (size_t i = 0; i < names->count; i++) { /* segments without voxels */
         const uint32_t number = names->entry[i].number;
@@ -419,31 +413,24 @@ static enum err read_original(struct volume *map, struct label_table *names, con
     OWNED(mem_release) uint8_t *beyond = NULL;
     struct buf *text = act_buf(act), *path = act_buf(act);
     struct map_place place = act_map_place(act);
-    enum err err = act_choose_regions(&regions, act, act_value(act, "label"));
+    TRY(act_choose_regions(&regions, act, act_value(act, "label")));
     place.names = text;
-    if (!err && act_has(act, "as"))
-        err = regions_check(&regions, kept, act->fault);
-    if (!err && place.resample == REGRID_RESAMPLE &&
+    if (act_has(act, "as"))
+        TRY(regions_check(&regions, kept, act->fault));
+    if (place.resample == REGRID_RESAMPLE &&
         !(place.beyond = beyond = mem_new(session->scene->grid.voxels)))
-        err = fault_memory(act->fault, "a map");
-    if (!err)
-        err = interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault);
-    if (!err)
-        err = map_read(map, buf_text(path), &place, session->watch, act->fault);
-    if (!err)
-        err = act_prefix_file(act, find_regions(map, act));
-    if (!err)
-        err = read_names(names, act, text);
-    if (!err)
-        err = regions_table(&as, &regions, map, kept, act->fault);
-    if (!err && !act_has(act, "as|label"))
-        err = number_regions(numbers, as, act, map, names);
-    if (!err && numbers->length) {
+        return fault_memory(act->fault, "a map");
+    TRY(interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault));
+    TRY(map_read(map, buf_text(path), &place, session->watch, act->fault));
+    TRY(act_prefix_file(act, find_regions(map, act)));
+    TRY(read_names(names, act, text));
+    TRY(regions_table(&as, &regions, map, kept, act->fault));
+    if (!act_has(act, "as|label"))
+        TRY(number_regions(numbers, as, act, map, names));
+    if (numbers->length) {
         free(as);
-        err = regions_table(&as, &regions, map, kept, act->fault);
+        TRY(regions_table(&as, &regions, map, kept, act->fault));
     }
-    if (err)
-        return err;
     if (!act_has(act, "regions") || keeps_rest(act))
         as[0] = 0; /* the background */
     choice.as = as;
@@ -454,7 +441,7 @@ static enum err read_original(struct volume *map, struct label_table *names, con
             return fault_memory(act->fault, "the regions that are kept");
         memcpy(region, map->intensity, voxels * sizeof *region);
     }
-    err = map_label(map, &choice, session->watch, act->fault);
+    enum err err = map_label(map, &choice, session->watch, act->fault);
     if (!err && region)
         err = mark_kept(map, region, act->fault);
     if (err)
@@ -486,10 +473,10 @@ static enum err erase_seeds(const struct act *act)
                 return fault_memory(act->fault, "seeds");
             seeds.cell[seeds.count++] = c;
         }
-    const enum err err = watch_fault(session->watch, act->fault);
-    return err || !seeds.count
-               ? err
-               : session_plant(session, seeds.cell, seeds.count, EDIT_ERASE, 0, act->fault);
+    TRY(watch_fault(session->watch, act->fault));
+    if (!seeds.count)
+        return OK;
+    return session_plant(session, seeds.cell, seeds.count, EDIT_ERASE, 0, act->fault);
 }
 
 /* Read a copy on the scene's grid; its digest is checked by the caller. */
@@ -570,15 +557,13 @@ static enum err read_new(struct volume *map, struct label_table *names, const st
     if (act_has(act, "numbers"))
         return fault_set(act->fault, ERR_USAGE,
                          "numbers: only in journals, with copy=DIGEST; regions= chooses regions");
-    enum err err = is_here(act) ? read_here(map, act) : read_original(map, names, act, numbers);
+    TRY(is_here(act) ? read_here(map, act) : read_original(map, names, act, numbers));
     write_names(words, names);
-    if (!err)
-        err = label_copy_digest(digest, map, words, act->session->watch, act->fault);
-    if (!err && numbers->length)
+    TRY(label_copy_digest(digest, map, words, act->session->watch, act->fault));
+    if (numbers->length)
         buf_printf(&act->reply->canonical, " numbers=%s", buf_text(numbers));
-    if (!err)
-        buf_printf(&act->reply->canonical, " copy=%s", digest);
-    return err;
+    buf_printf(&act->reply->canonical, " copy=%s", digest);
+    return OK;
 }
 
 /* ---- markers ---- */
@@ -663,7 +648,6 @@ static enum err find_voxels(struct voxels *out, const struct act *act,
     const size_t begin = i ? piece[-1].end : 0, first = i ? piece[-1].run_end : 0;
     const size_t own = piece->end - begin;
     struct task task = task_begin(act->session->watch, "seeds of pieces", 0);
-    enum err err = OK;
     out->count = 0;
     if (!mem_grow(&out->cell, &out->capacity, own, sizeof *out->cell))
         return fault_memory(act->fault, "seeds of pieces");
@@ -671,14 +655,14 @@ static enum err find_voxels(struct voxels *out, const struct act *act,
         out->cell[out->count++] = seeds->cell[k];
     if (!act->session->former_markers)
         return OK;
-    for (size_t r = first; !err && r < piece->run_end && task_advance(&task, 1); r++)
-        err = add_overruled(out, act, piece, seeds->run[r], own);
+    for (size_t r = first; r < piece->run_end && task_advance(&task, 1); r++)
+        TRY(add_overruled(out, act, piece, seeds->run[r], own));
     size_t kept = 0;
     for (size_t k = 0; k < out->count && piece->label == 0; k++)
         if (!keeps_seed(act, map, out->cell[k]))
             out->cell[kept++] = out->cell[k];
     out->count = piece->label == 0 ? kept : out->count;
-    return err ? err : watch_fault(act->session->watch, act->fault);
+    return watch_fault(act->session->watch, act->fault);
 }
 
 static enum err plant_pieces(const struct act *act, const struct piece_seeds *seeds,
@@ -687,26 +671,22 @@ static enum err plant_pieces(const struct act *act, const struct piece_seeds *se
     struct planting planting = act_begin_planting(act->session, NULL);
     OWNED(voxels_release) struct voxels voxels = {0};
     uint64_t digest = 0;
-    enum err err = OK;
     planting.yields = true;
-    for (size_t i = 0; i < seeds->pieces && !err; i++) {
+    for (size_t i = 0; i < seeds->pieces; i++) {
         const struct piece *piece = &seeds->piece[i];
         const size_t run = i ? piece[-1].run_end : 0;
         planting.run = seeds->run + run;
         planting.runs = piece->run_end - run;
-        err = find_voxels(&voxels, act, seeds, map, i);
+        TRY(find_voxels(&voxels, act, seeds, map, i));
         for (size_t k = 0; k < voxels.count; k++)
             digest += hash_mix_at(voxels.cell[k], piece->label);
-        if (!err)
-            err = act_plant(act, &planting, voxels.cell, voxels.count, piece->label);
+        TRY(act_plant(act, &planting, voxels.cell, voxels.count, piece->label));
     }
     act->next->lists = act->session->now.lists;
     for (unsigned label = 1; label < 256 && !is_here(act) && !act_has(act, "as|label"); label++)
         act->next->kept.label_is_region[label] |= seeds->labels[label] > 0;
-    if (!err && !kept_equals(&act->next->kept, &act->session->now.kept))
-        err = act_go(act); /* to the numbers of the labels */
-    if (err)
-        return err;
+    if (!kept_equals(&act->next->kept, &act->session->now.kept))
+        TRY(act_go(act)); /* to the numbers of the labels */
     write_pieces(act, seeds, planting.planted);
     bool has[256];
     for (unsigned label = 0; label < 256; label++)
@@ -752,10 +732,8 @@ static enum err keep_rest(const struct act *act, struct volume *map)
         for (uint32_t c = w.row.first; c < w.row.end; c++)
             if (!*at++ && (!roi->mask || roi->mask[c >> 6] >> (c & 63) & 1))
                 mask[c >> 6] |= UINT64_C(1) << (c & 63);
-    const enum err err = session_set_mask(session, mask, act_text(act, "FILE"),
-                                          (const uint32_t[]){0, 0}, rest, act->fault);
-    if (err)
-        return err;
+    TRY(session_set_mask(session, mask, act_text(act, "FILE"), (const uint32_t[]){0, 0}, rest,
+                         act->fault));
     struct kept *next = &act->next->kept;
     const struct kept *now = &session->now.kept;
     next->mask = now->mask;
@@ -798,31 +776,24 @@ static enum err plant_labels(const struct act *act)
         buf_printf(&act->reply->canonical, " erode=%u", rounds);
     const char *copy = act_text(act, "copy");
     char digest[LABEL_COPY_DIGEST];
-    enum err err =
-        copy ? read_recorded(&map, &names, act, copy) : read_new(&map, &names, act, digest);
-    if (!err && act->interp->mode == MODE_LIVE)
-        err = keep_copy(act, &map, &names, copy ? copy : digest);
-    if (!err && keeps_rest(act))
-        err = keep_rest(act, &map);
-    if (err)
-        return err;
+    TRY(copy ? read_recorded(&map, &names, act, copy) : read_new(&map, &names, act, digest));
+    if (act->interp->mode == MODE_LIVE)
+        TRY(keep_copy(act, &map, &names, copy ? copy : digest));
+    if (keeps_rest(act))
+        TRY(keep_rest(act, &map));
     const size_t voxels = voxels_in(map.size);
     size_t empty = 0;
     while (empty < voxels && map.intensity[empty] == REGION_NONE)
         empty++;
     if (empty == voxels)
         return refuse_empty(act);
-    err = piece_seeds_make(&seeds, map.intensity, &session->scene->grid, &choice, session->watch,
-                           act->fault);
-    if (err)
-        return err;
+    TRY(piece_seeds_make(&seeds, map.intensity, &session->scene->grid, &choice, session->watch,
+                         act->fault));
     if (!seeds.pieces)
         return fault_set(act->fault, ERR_INPUT, "no piece of it has %u voxels; nothing was planted",
                          choice.least);
     warn_of_noise(act, &seeds);
-    err = is_here(act) ? erase_seeds(act) : OK;
-    if (err)
-        return err;
+    TRY(is_here(act) ? erase_seeds(act) : OK);
     apply_names(act, &names);
     return plant_pieces(act, &seeds, &map);
 }
@@ -853,6 +824,6 @@ enum err act_labels(const struct act *act)
     }
     /* the present labels may belong to the map */
     const bool runs = is_here(act) || act_is_yes(act, "resample");
-    const enum err err = runs ? session_run(act->session, act->fault) : OK;
-    return err ? err : plant_labels(&with);
+    TRY(runs ? session_run(act->session, act->fault) : OK);
+    return plant_labels(&with);
 }

@@ -214,18 +214,17 @@ static enum err take_first_weight(const struct act *act, bool *recorded)
     struct session *session = act->session;
     struct state next = session->now;
     struct weight_choice *weight = &next.kept.weight;
-    enum err err = OK;
     const char *given = act_text(act, "weight");
     *recorded = false;
     if (session->has_scene)
         return OK; /* session_open reports the error */
     if (given)
-        err = read_weight(weight, given, act->fault);
+        TRY(read_weight(weight, given, act->fault));
     else
         *recorded = act->interp->mode == MODE_LIVE;
     if (!given && !*recorded)
         *weight = (struct weight_choice){WEIGHT_MORPH, 1};
-    return err ? err : session_go(session, &next, NULL, 0, act->fault);
+    return session_go(session, &next, NULL, 0, act->fault);
 }
 
 /* Get the proof of a scene from the current record; only for a whole file with a header. */
@@ -335,10 +334,9 @@ enum err act_interpolate(const struct act *act)
     const unsigned doubled =
         (unsigned)((act_number(act, "X") == 2) | (act_number(act, "Y") == 2) << 1 |
                    (act_number(act, "Z") == 2) << 2);
-    enum err err = session_interpolate(act->session, doubled, act->fault);
-    if (!err)
-        write_scene(act);
-    return err;
+    TRY(session_interpolate(act->session, doubled, act->fault));
+    write_scene(act);
+    return OK;
 }
 
 /* Letters cannot contradict the file: if it is wrong, it is wrong for every other program and for
@@ -373,16 +371,14 @@ enum err act_orient(const struct act *act)
     const char *how = act_text(act, "HOW");
     char *orient = act->next->kept.orient;
     const bool by_file = strcmp(how, "file") == 0;
-    enum err err = by_file ? OK : check_orient(session, how, act->fault);
-    if (err)
-        return err;
+    TRY(by_file ? OK : check_orient(session, how, act->fault));
     memset(orient, 0, sizeof act->next->kept.orient);
     if (!by_file)
         memcpy(orient, how, strlen(how));
-    err = act_go(act);
+    TRY(act_go(act));
     const struct choice who = choice_at(ORIENTATIONS, session->geometry.orientation);
     buf_printf(&act->reply->words, "orientation=%.*s", (int)who.length, who.word);
     act_write_axes(&act->reply->text, &session->geometry);
     buf_add_char(&act->reply->text, '\n');
-    return err;
+    return OK;
 }

@@ -140,9 +140,7 @@ static enum err fit_turns(const struct spin *spin, struct view *from)
     const struct view first = *from;
     OWNED(fit_release) struct fit fit = {0};
     uint32_t place[3];
-    const enum err err = fit_init(&fit, &session->border, spin->act->fault);
-    if (err)
-        return err;
+    TRY(fit_init(&fit, &session->border, spin->act->fault));
     fit_place(&fit, &first, place);
     from->zoom = VIEW_ZOOM_MOST;
     for (unsigned i = 0; i < spin->total; i++) {
@@ -160,11 +158,8 @@ static enum err draw_whole(struct spin *spin, struct picture *picture, uint64_t 
 {
     struct session *session = spin->act->session;
     struct fault *fault = spin->act->fault;
-    enum err err = session_draw_labels(session, &spin->labels, RENDER_ONCE, fault);
-    if (!err)
-        err = session_decorate(session, &spin->labels, fault);
-    if (err)
-        return err;
+    TRY(session_draw_labels(session, &spin->labels, RENDER_ONCE, fault));
+    TRY(session_decorate(session, &spin->labels, fault));
     const struct rendition drawn = session_picture(session);
     *digest = rendition_digest(&drawn);
     return act_take_picture(spin->act, &spin->labels, spin->pattern.name, picture);
@@ -176,23 +171,21 @@ static enum err draw_turned(struct spin *spin, const struct view *from, unsigned
     const struct view view = view_of(spin, from, number);
     OWNED(picture_release) struct picture picture = {0};
     uint64_t digest = 0;
-    enum err err = session_set_view(session, &view, spin->act->fault);
-    if (!err && spin->is_streamed) { /* directly into a file */
-        err = find_path(spin, number);
+    TRY(session_set_view(session, &view, spin->act->fault));
+    if (spin->is_streamed) { /* directly into a file */
+        TRY(find_path(spin, number));
         const struct drawn_file file = {buf_text(spin->path), spin->mode, RENDER_ONCE, false};
-        if (!err)
-            err = act_draw_file(spin->act, &file, &spin->labels, &digest);
-    } else if (!err) {
-        err = spin->takes_rows
-                  ? act_draw_picture(spin->act, &spin->labels, RENDER_ONCE, &picture, &digest)
-                  : draw_whole(spin, &picture, &digest);
-        if (!err)
-            err = write_picture(spin, number, &picture);
+        TRY(act_draw_file(spin->act, &file, &spin->labels, &digest));
+    } else {
+        TRY(spin->takes_rows
+                ? act_draw_picture(spin->act, &spin->labels, RENDER_ONCE, &picture, &digest)
+                : draw_whole(spin, &picture, &digest));
+        TRY(write_picture(spin, number, &picture));
     }
-    if (!err && spin->path->length && (spin->pattern.counts || number + 1 == spin->total))
+    if (spin->path->length && (spin->pattern.counts || number + 1 == spin->total))
         act_note_file(buf_text(spin->path), spin->act->reply);
     spin->digest += hash_mix_at(number, digest);
-    return err;
+    return OK;
 }
 
 static enum err draw_turns(struct spin *spin)
@@ -202,25 +195,22 @@ static enum err draw_turns(struct spin *spin)
     const struct view before = session->now.outlook.view;
     struct view from = before;
     const bool rendered = session_rendered(session) == RENDERED_FOREST;
-    enum err err = act_take_shown(spin->act, &spin->labels);
-    if (!err && act_is_yes(spin->act, "fit"))
-        err = fit_turns(spin, &from);
-    if (!err)
-        err = find_path(spin, 0);
+    TRY(act_take_shown(spin->act, &spin->labels));
+    if (act_is_yes(spin->act, "fit"))
+        TRY(fit_turns(spin, &from));
+    TRY(find_path(spin, 0));
     buf_add_text(spin->first, buf_text(spin->path));
-    if (!err && spin->path->length && is_helped(spin)) /* it loads its libraries meanwhile */
-        err = image_helper_start(spin->act->interp->helper, fault);
-    for (unsigned i = 0; i < spin->total && !err; i++) {
+    if (spin->path->length && is_helped(spin)) /* it loads its libraries meanwhile */
+        TRY(image_helper_start(spin->act->interp->helper, fault));
+    for (unsigned i = 0; i < spin->total; i++) {
         watch_poll(session->watch, "turntable", i, spin->total);
-        err = draw_turned(spin, &from, i);
+        TRY(draw_turned(spin, &from, i));
     }
-    if (!err)
-        err = finish_file(spin);
-    if (!err)
-        err = session_set_view(session, &before, fault);
-    if (!err && rendered)
-        err = session_render(session, RENDER_AS_KEPT, fault);
-    return err;
+    TRY(finish_file(spin));
+    TRY(session_set_view(session, &before, fault));
+    if (rendered)
+        TRY(session_render(session, RENDER_AS_KEPT, fault));
+    return OK;
 }
 
 /* Read "yaw,roll": one turn after the other, about each axis once. */
@@ -264,9 +254,7 @@ enum err act_spin(const struct act *act)
                          "FILE: expected one %%d or %%0Nd in its name, as in turn%%03d.png, or a "
                          "name that ends in .gif or .tif; not %s",
                          act_text(act, "FILE"));
-    enum err err = read_axes(&spin);
-    if (err)
-        return err;
+    TRY(read_axes(&spin));
     spin.takes_rows = session_decorates_rows(act->session);
     spin.is_streamed = spin.takes_rows && !is_helped(&spin);
     spin.total = spin.count * spin.axes;
@@ -276,7 +264,7 @@ enum err act_spin(const struct act *act)
                          spin.count, IMAGE_FRAMES_MOST);
     if (act->interp->mode == MODE_SKIM)
         return OK;
-    err = draw_turns(&spin);
+    enum err err = draw_turns(&spin);
     image_movie_abandon(&spin.movie);
     if (err)
         return err;
@@ -302,30 +290,28 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
 {
     const struct journal *journal = act->interp->journal;
     struct buf *steps = act_buf(act), *name = act_buf(act);
-    enum err err = OK;
     numbering_write_finish(steps, &act->session->now.kept);
     if (journal)
         golden_journal_name(name, journal_path(journal));
     if (labels->finished)
-        err = picture_note(picture, "iftty:finish", buf_text(steps), act->fault);
-    if (!err && journal && !act->session->is_private)
-        err = picture_note(picture, "iftty:journal", buf_text(name), act->fault);
-    if (!err && journal)
-        err = picture_note(picture, "iftty:chain", journal_chain(journal), act->fault);
-    return err;
+        TRY(picture_note(picture, "iftty:finish", buf_text(steps), act->fault));
+    if (journal && !act->session->is_private)
+        TRY(picture_note(picture, "iftty:journal", buf_text(name), act->fault));
+    if (journal)
+        TRY(picture_note(picture, "iftty:chain", journal_chain(journal), act->fault));
+    return OK;
 }
 
 enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
                           struct picture *picture)
 {
     const bool has_all = !name || file_is_named(name, EXR_NAMES);
-    enum err err =
-        export_picture(picture, act->session, has_all ? PICTURE_BUT_NORMAL : 0, act->fault);
-    if (!err && !name) /* goldens are an OpenEXR file and a PNG */
-        err = export_background(picture, act->session, act->fault);
-    else if (!err && has_all)
-        err = export_normals(picture, act->session, act->fault);
-    return err ? err : act_note_picture(act, labels, picture);
+    TRY(export_picture(picture, act->session, has_all ? PICTURE_BUT_NORMAL : 0, act->fault));
+    if (!name) /* goldens are an OpenEXR file and a PNG */
+        TRY(export_background(picture, act->session, act->fault));
+    else if (has_all)
+        TRY(export_normals(picture, act->session, act->fault));
+    return act_note_picture(act, labels, picture);
 }
 
 enum err act_draw_file(const struct act *act, const struct drawn_file *file,
@@ -359,10 +345,9 @@ enum err act_draw_picture(const struct act *act, const struct labels *labels, en
 {
     export_form(picture, act->session);
     picture->rgba = mem_array((size_t)picture->width * picture->height, 4);
-    enum err err = picture->rgba
-                       ? export_rows(picture, NULL, act->session, labels, mode, digest, act->fault)
-                       : fault_memory(act->fault, "a picture");
-    return err ? err : act_note_picture(act, labels, picture);
+    TRY(picture->rgba ? export_rows(picture, NULL, act->session, labels, mode, digest, act->fault)
+                      : fault_memory(act->fault, "a picture"));
+    return act_note_picture(act, labels, picture);
 }
 
 void act_add_picture_digest(const struct act *act)
@@ -374,8 +359,8 @@ void act_add_picture_digest(const struct act *act)
 enum err act_write_now(struct interpreter *interp, const char *path, enum file_mode mode,
                        const struct picture *picture, struct fault *fault)
 {
-    enum err err = interpreter_will_write(interp, path, mode, fault);
-    return err ? err : image_write(interp->helper, path, mode, picture, fault);
+    TRY(interpreter_will_write(interp, path, mode, fault));
+    return image_write(interp->helper, path, mode, picture, fault);
 }
 
 enum err act_write_picture(const struct act *act, const char *path, enum file_mode mode,
@@ -400,10 +385,9 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
 
 enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels)
 {
-    enum err err = act_take_shown(act, labels);
-    if (!err)
-        err = session_draw_labels(act->session, labels, mode, act->fault);
-    return err ? err : session_decorate(act->session, labels, act->fault);
+    TRY(act_take_shown(act, labels));
+    TRY(session_draw_labels(act->session, labels, mode, act->fault));
+    return session_decorate(act->session, labels, act->fault);
 }
 
 /* Write a picture that is too large to store directly into a file. */
@@ -412,25 +396,22 @@ static enum err render_large(const struct act *act, const char *name, enum rende
     struct labels labels;
     struct buf *path = act_buf(act);
     uint64_t digest = 0;
-    enum err err = act_take_shown(act, &labels);
-    if (!err)
-        err = interpreter_output_path(act->interp, name, path, act->fault);
+    TRY(act_take_shown(act, &labels));
+    TRY(interpreter_output_path(act->interp, name, path, act->fault));
     const char *to = buf_text(path);
-    if (!err && (!*to || image_strips(to))) {
+    if (!*to || image_strips(to)) {
         const struct drawn_file file = {to, act_file_mode(act), mode,
                                         act_number(act, "layout") == 1};
-        err = act_draw_file(act, &file, &labels, &digest);
-        if (!err && *to)
+        TRY(act_draw_file(act, &file, &labels, &digest));
+        if (*to)
             act_write_file_line("wrote ", to, act->reply);
-    } else if (!err) {
+    } else {
         OWNED(picture_release) struct picture picture = {0};
-        err = act_draw_picture(act, &labels, mode, &picture, &digest);
-        if (!err)
-            err = act_write_picture(act, to, act_file_mode(act), &picture);
+        TRY(act_draw_picture(act, &labels, mode, &picture, &digest));
+        TRY(act_write_picture(act, to, act_file_mode(act), &picture));
     }
-    if (!err)
-        act_add_digest(act, "picture", digest);
-    return err;
+    act_add_digest(act, "picture", digest);
+    return OK;
 }
 
 static enum err render_whole(const struct act *act, enum render_mode mode)
@@ -443,12 +424,12 @@ static enum err render_whole(const struct act *act, enum render_mode mode)
     if (act_has(act, "FILE")) {
         OWNED(picture_release) struct picture picture = {0};
         struct buf *path = act_buf(act);
-        err = interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault);
-        if (err || !path->length)
-            return err;
-        err = act_take_picture(act, &labels, act_text(act, "FILE"), &picture);
+        TRY(interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault));
+        if (!path->length)
+            return OK;
+        TRY(act_take_picture(act, &labels, act_text(act, "FILE"), &picture));
         picture.tiled = act_number(act, "layout") == 1;
-        return err ? err : act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
+        return act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
     }
     act->interp->shows_picture = true;
     const struct rendition *r = session_frame(act->session);
@@ -479,10 +460,9 @@ enum err act_render(const struct act *act)
 /* Apply the next state, and describe the slices. */
 static enum err go_and_describe(const struct act *act)
 {
-    enum err err = act_go(act);
-    if (!err)
-        act_write_slices(&act->reply->text, act->session);
-    return err;
+    TRY(act_go(act));
+    act_write_slices(&act->reply->text, act->session);
+    return OK;
 }
 
 enum err act_cross(const struct act *act)
@@ -539,20 +519,18 @@ enum err act_window(const struct act *act)
 static enum err draw_slices(const struct act *act, enum slice_kind kind,
                             const struct labels *labels, bool with_cells, struct canvas *canvas)
 {
-    const enum err err = slicing_draw(canvas, act->session, kind, labels, with_cells, act->fault);
-    if (!err)
-        act_add_digest(act, "picture", canvas_digest(canvas));
-    return err;
+    TRY(slicing_draw(canvas, act->session, kind, labels, with_cells, act->fault));
+    act_add_digest(act, "picture", canvas_digest(canvas));
+    return OK;
 }
 
 enum err act_take_slices(const struct act *act, enum slice_kind kind, const struct labels *labels,
                          struct picture *picture)
 {
     OWNED(canvas_release) struct canvas canvas = {0};
-    enum err err = draw_slices(act, kind, labels, true, &canvas);
-    if (!err)
-        err = slicing_export(picture, act->session, kind, labels, &canvas, act->fault);
-    return err ? err : act_note_picture(act, labels, picture);
+    TRY(draw_slices(act, kind, labels, true, &canvas));
+    TRY(slicing_export(picture, act->session, kind, labels, &canvas, act->fault));
+    return act_note_picture(act, labels, picture);
 }
 
 /* Write to FILE, or show inline. */
@@ -596,8 +574,8 @@ enum err act_slice(const struct act *act)
         set_magnification(slices, SLICE_TIMES_ONE, NULL);
         slices->zoom = act_text(act, "zoom") ? 0 : (uint32_t)act_number(act, "zoom");
     }
-    enum err err = act_go(act);
-    return err ? err : show_or_write(act, (enum slice_kind)plane);
+    TRY(act_go(act));
+    return show_or_write(act, (enum slice_kind)plane);
 }
 
 enum err act_mosaic(const struct act *act)

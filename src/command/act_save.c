@@ -53,9 +53,7 @@ static enum err compare_pictures(const struct picture *expected, const struct pi
 {
     OWNED(buf_release) struct buf words = {0};
     const struct golden_planes e = planes_of(expected), a = planes_of(actual);
-    const enum err err = golden_compare(&e, &a, difference, fault);
-    if (err)
-        return err;
+    TRY(golden_compare(&e, &a, difference, fault));
     if (difference->is_same)
         return golden_compare_notes(expected, actual, !interp->scene_path, fault);
     golden_describe(&words, difference);
@@ -110,22 +108,19 @@ static enum err write_golden(struct interpreter *interp, const char *name, const
 {
     OWNED(golden_files_close) struct golden_files files = {.folder = -1};
     struct buf *png = arena_buf(&interp->arena);
-    enum err err = interp->journal ? journal_sync(interp->journal, fault) : OK;
-    if (!err)
-        err = golden_files_open(&files, buf_text(&interp->home), true, fault);
-    if (err)
-        return err;
+    if (interp->journal)
+        TRY(journal_sync(interp->journal, fault));
+    TRY(golden_files_open(&files, buf_text(&interp->home), true, fault));
     buf_printf(png, "%s/%s.png", buf_text(&files.path), name);
     const bool is_there = file_exists(path), has_png = file_exists(buf_text(png));
-    if (is_there)
-        err = compare_golden(interp, name, path, picture, fault);
-    if (err)
-        return fault_prefix(fault, err, "it exists already and was left alone");
-    if (!is_there)
-        err = file_may_write(buf_text(png), FILE_KEEP, fault);
-    if (!err && !is_there)
-        err = act_write_now(interp, path, FILE_KEEP, picture, fault);
-    return err || has_png ? err : act_write_now(interp, buf_text(png), FILE_KEEP, picture, fault);
+    if (is_there) {
+        TRY(fault_prefix(fault, compare_golden(interp, name, path, picture, fault),
+                         "it exists already and was left alone"));
+    } else {
+        TRY(file_may_write(buf_text(png), FILE_KEEP, fault));
+        TRY(act_write_now(interp, path, FILE_KEEP, picture, fault));
+    }
+    return has_png ? OK : act_write_now(interp, buf_text(png), FILE_KEEP, picture, fault);
 }
 
 /* ---- the command ---- */
@@ -137,10 +132,7 @@ static enum err take_golden(const struct act *act, struct picture *picture)
     const int64_t of = act_number(act, "of"); /* 0: the rendition */
     if (act->interp->mode == MODE_SKIM)
         return OK;
-    enum err err =
-        of ? act_take_shown(act, &labels) : act_render_labels(act, RENDER_AS_KEPT, &labels);
-    if (err)
-        return err;
+    TRY(of ? act_take_shown(act, &labels) : act_render_labels(act, RENDER_AS_KEPT, &labels));
     if (of)
         return act_take_slices(act, (enum slice_kind)(of - 1), &labels, picture);
     act_add_picture_digest(act);
@@ -214,9 +206,7 @@ static enum err add_step(struct finish_list *list, const struct act *act)
 {
     struct finish_step step = {.kind = (uint32_t)act_number(act, "STEP"),
                                .label = (uint32_t)act_number_or(act, "label", FINISH_ALL_LABELS)};
-    const enum err err = take_argument(&step, act);
-    if (err)
-        return err;
+    TRY(take_argument(&step, act));
     if (list->count == FINISH_STEPS_MOST)
         return fault_set(act->fault, ERR_LIMIT,
                          "the finish has %d steps, and no room for more; `finish none` removes "
@@ -235,11 +225,8 @@ enum err act_finish(const struct act *act)
         return fault_set(act->fault, ERR_USAGE, "expected a step: " FINISH_KINDS);
     if (clears)
         *list = (struct finish_list){0};
-    enum err err = step->given && !clears ? add_step(list, act) : OK;
-    if (!err)
-        err = act_go(act);
-    if (err)
-        return err;
+    TRY(step->given && !clears ? add_step(list, act) : OK);
+    TRY(act_go(act));
     if (!list->count)
         buf_add_text(&act->reply->text, "finish    none\n");
     act_write_finish(&act->reply->text, act->session);
@@ -247,10 +234,9 @@ enum err act_finish(const struct act *act)
     if (!list->count || act->interp->mode != MODE_LIVE || act->session->skims ||
         !forest_seeds(act->session->forest))
         return OK;
-    err = session_labels(act->session, true, &labels, act->fault);
-    return err ? err
-               : act_write_losses(act->interp, &labels, false, act->session->watch,
-                                  &act->reply->text, act->fault);
+    TRY(session_labels(act->session, true, &labels, act->fault));
+    return act_write_losses(act->interp, &labels, false, act->session->watch, &act->reply->text,
+                            act->fault);
 }
 
 /* ---- surfaces: what encloses the labels, as triangles ---- */
@@ -273,9 +259,9 @@ static enum err make_surface(struct surface **surface, const struct act *act,
                                     .is_cubes = smooth->given && smooth->number == 0};
     for (int l = 1; l < 256; l++)
         choice.wanted[l] = !label->given || label->number == l;
-    const enum err err = surface_new(surface, &source, &choice, session->watch, act->fault);
-    if (err || (*surface)->parts)
-        return err;
+    TRY(surface_new(surface, &source, &choice, session->watch, act->fault));
+    if ((*surface)->parts)
+        return OK;
     return label->given
                ? fault_set(act->fault, ERR_INPUT, "no voxel has label %u; nothing was written",
                            label->place[0])
@@ -348,8 +334,8 @@ static enum err save_seeds(const struct act *act, const char *path, enum file_mo
     if (!file_is_named(path, ".csv"))
         return fault_set(act->fault, ERR_USAGE, "cannot write %s: expected FILE.csv for seeds",
                          path);
-    const enum err err = export_seeds(text, act->session, act->fault);
-    return err ? err : file_write(path, text->data, text->length, how, act->fault);
+    TRY(export_seeds(text, act->session, act->fault));
+    return file_write(path, text->data, text->length, how, act->fault);
 }
 
 static enum err save_names(const struct act *act, const char *path, enum file_mode how)
@@ -370,14 +356,13 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
                          "cannot write %s: labels are numbered by a file, and a .lut holds 0 to "
                          "255; expected .txt, .label, .ctbl, .ctab, .tsv or .nii.txt",
                          path);
-    enum err err = session_count_labels(act->session, act->fault);
+    TRY(session_count_labels(act->session, act->fault));
     for (int l = 0; l < 256; l++)
         used[l] = act->session->tally.voxels[l] > 0 || *kept->label_name[l];
     label_table_write(text, &writing, format, &act->session->now.kept, used);
-    if (!err)
-        err = file_write(path, text->data, text->length, how, act->fault);
-    if (err || !writing.changed)
-        return err;
+    TRY(file_write(path, text->data, text->length, how, act->fault));
+    if (!writing.changed)
+        return OK;
     struct buf *out = &act->reply->text;
     buf_printf(out, "%u name%s ", writing.changed, plural(writing.changed));
     if (!*writing.first_written) {
@@ -422,7 +407,7 @@ static enum err count_coverage(struct coverage *coverage, const struct session *
                                const struct labels *labels, struct fault *fault)
 {
     OWNED(mem_release) uint16_t *rest = NULL;
-    const enum err err = session_take_rest(session, &rest, fault);
+    TRY(session_take_rest(session, &rest, fault));
     const uint16_t *region = rest;
     struct grid_walk walk = scene_walk(session->scene, "counting", NULL, 0);
     while (grid_walk_next(&walk))
@@ -437,7 +422,7 @@ static enum err count_coverage(struct coverage *coverage, const struct session *
             coverage->outside += is_outside;
             coverage->unreached += !is_outside && !is_kept && !cell_is_reached(cell);
         }
-    return err;
+    return OK;
 }
 
 static void warn_of_background(struct buf *out, uint64_t voxels, const char *which)
@@ -503,17 +488,13 @@ enum err act_save(const struct act *act)
             act->fault, ERR_INPUT,
             "no voxel has a label above 0: plant a `seed` of one first, or write the empty "
             "map with empty=yes; nothing was written");
-    err = watch_fault(act->session->watch, act->fault);
-    if (!err)
-        err = interpreter_will_write(act->interp, path, how, act->fault);
-    if (!err)
-        err = what == SAVE_SEEDS   ? save_seeds(act, path, how)
-              : what == SAVE_NAMES ? save_names(act, path, how)
-              : what == SAVE_SURFACE
-                  ? save_surface(act, &labels, path, how)
-                  : export_map(act->session, (enum map)what, &labels, path, how, act->fault);
-    if (err)
-        return err;
+    TRY(watch_fault(act->session->watch, act->fault));
+    TRY(interpreter_will_write(act->interp, path, how, act->fault));
+    TRY(what == SAVE_SEEDS   ? save_seeds(act, path, how)
+        : what == SAVE_NAMES ? save_names(act, path, how)
+        : what == SAVE_SURFACE
+            ? save_surface(act, &labels, path, how)
+            : export_map(act->session, (enum map)what, &labels, path, how, act->fault));
     act_write_file_line("wrote ", path, act->reply);
     warn_of_contents(act, path, &coverage, labels.finished != NULL);
     return OK;

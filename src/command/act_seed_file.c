@@ -25,11 +25,10 @@ static enum err read_list(struct seeds *seeds, const struct act *act, const char
             "regions, as, erode, each, generator, resample, volume and data are for label maps, "
             "and %s is a list; nothing was planted",
             act_text(act, "FILE"));
-    const enum err err = file_read(text, path, LIST_BYTES_MOST, fault);
-    return err ? err
-               : act_prefix_file(act, seeds_from_list(seeds, buf_text(text), text->length,
-                                                      &session->scene->grid, &session->now.kept,
-                                                      label_of(act), session->watch, fault));
+    TRY(file_read(text, path, LIST_BYTES_MOST, fault));
+    return act_prefix_file(act, seeds_from_list(seeds, buf_text(text), text->length,
+                                                &session->scene->grid, &session->now.kept,
+                                                label_of(act), session->watch, fault));
 }
 
 /* Read the parameters about regions; the caller frees the labels `as`. */
@@ -45,18 +44,17 @@ static enum err choose_regions(struct region_choice *choice, uint16_t **as, cons
         .each = (uint32_t)act_number(act, "each"),
         .generator = (uint64_t)act_number_or(act, "generator", 1),
     };
-    enum err err = act_choose_regions(&regions, act, act_value(act, "label"));
-    if (!err && act_has(act, "as"))
-        err = regions_check(&regions, kept, act->fault);
-    if (!err)
-        err = regions_table(as, &regions, map, kept, act->fault);
-    for (uint32_t r = 0; !err && r <= REGION_MOST; r++)
+    TRY(act_choose_regions(&regions, act, act_value(act, "label")));
+    if (act_has(act, "as"))
+        TRY(regions_check(&regions, kept, act->fault));
+    TRY(regions_table(as, &regions, map, kept, act->fault));
+    for (uint32_t r = 0; r <= REGION_MOST; r++)
         if ((*as)[r] != REGION_NONE) {
             choice->first = r < choice->first ? r : choice->first;
             choice->last = r;
         }
     choice->as = *as;
-    return err;
+    return OK;
 }
 
 /* The caller releases the map, whose voxels are invalid afterwards, and frees `as`. */
@@ -66,14 +64,10 @@ static enum err read_map(struct seeds *seeds, struct volume *map, const struct a
     const struct session *session = act->session;
     struct buf *out = &act->reply->text;
     struct region_tally tally;
-    enum err err = act_read_map(act, map, 0, UINT32_MAX);
-    if (!err)
-        err = choose_regions(choice, as, act, map);
-    if (!err)
-        err = act_prefix_file(act, seeds_from_map(seeds, &tally, map, &session->scene->grid, choice,
-                                                  session->watch, act->fault));
-    if (err)
-        return err;
+    TRY(act_read_map(act, map, 0, UINT32_MAX));
+    TRY(choose_regions(choice, as, act, map));
+    TRY(act_prefix_file(act, seeds_from_map(seeds, &tally, map, &session->scene->grid, choice,
+                                            session->watch, act->fault)));
     buf_printf(out, "%u region%s\n", tally.regions, plural(tally.regions));
     if (tally.eroded_away)
         buf_printf(out, "%u more region%s with no voxel left after erosion; the first is %u\n",
@@ -125,7 +119,6 @@ static enum err plant_region(const struct act *act, struct planting *planting,
     struct session *session = act->session;
     const bool is_group = region >= SEED_GROUPS_FROM && region - SEED_GROUPS_FROM < seeds->groups;
     int16_t label = (uint8_t)region_label(choice, region);
-    enum err err = OK;
     planting->reach = 0;
     if (is_group) {
         const struct seed_group *group = &seeds->group[region - SEED_GROUPS_FROM];
@@ -136,12 +129,11 @@ static enum err plant_region(const struct act *act, struct planting *planting,
                              "was planted");
         for (int a = 0; a < 3; a++)
             reach.unit[a] = reach.unit[a] ? reach.unit[a] : session->scene->spacing_nm[a];
-        err = session_add_reach(session, &reach, &planting->reach, act->fault);
+        TRY(session_add_reach(session, &reach, &planting->reach, act->fault));
         label = group->label;
     }
-    if (!err)
-        err = act_find_exact(planting, act);
-    return err ? err : act_plant(act, planting, at->cell, at->count, label);
+    TRY(act_find_exact(planting, act));
+    return act_plant(act, planting, at->cell, at->count, label);
 }
 
 /* Plant each region as a marker. */
@@ -153,18 +145,17 @@ static enum err plant_regions(const struct act *act, const struct seeds *seeds, 
     OWNED(mem_release) size_t *end = mem_array(REGION_MOST + 1, sizeof *end);
     struct session *session = act->session;
     size_t begin = 0;
-    enum err err = end ? seeds_by_region(seeds, &cell, end, session->watch, act->fault)
-                       : fault_memory(act->fault, "the seeds of regions");
+    TRY(end ? seeds_by_region(seeds, &cell, end, session->watch, act->fault)
+            : fault_memory(act->fault, "the seeds of regions"));
     struct voxels all = {.cell = cell, .count = seeds->count};
-    if (!err)
-        err = act_begin_exact(planting, act, &all, end, REGION_MOST + 1);
-    for (uint32_t r = 0; !err && r <= REGION_MOST; begin = end[r++]) {
+    TRY(act_begin_exact(planting, act, &all, end, REGION_MOST + 1));
+    for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++]) {
         const struct voxels at = {.cell = cell + begin, .count = end[r] - begin};
-        err = plant_region(act, planting, seeds, choice, r, &at);
+        TRY(plant_region(act, planting, seeds, choice, r, &at));
     }
-    if (!err && act_has(act, "as"))
+    if (act_has(act, "as"))
         write_regions(act, path, map, choice->as, end);
-    if (!err && !act_has(act, "label")) {
+    if (!act_has(act, "label")) {
         bool has[256] = {false};
         begin = 0;
         for (uint32_t r = 0; r <= REGION_MOST; begin = end[r++])
@@ -173,7 +164,7 @@ static enum err plant_regions(const struct act *act, const struct seeds *seeds, 
                 has[region_label(choice, r)] = true;
         atlas_advise_names(act, has);
     }
-    return err;
+    return OK;
 }
 
 enum err act_seed_file(const struct act *act)
@@ -184,17 +175,16 @@ enum err act_seed_file(const struct act *act)
     OWNED(mem_release) uint16_t *as = NULL;
     struct region_choice choice = {.label = label_of(act)}; /* for a list, only the label is used */
     const char *name = act_text(act, "FILE");
-    enum err err = interpreter_find_file(act->interp, name, path, act->fault);
-    if (!err && file_is_named(name, ".csv"))
-        err = read_list(&seeds, act, buf_text(path));
-    else if (!err)
-        err = read_map(&seeds, &map, act, &choice, &as);
+    TRY(interpreter_find_file(act->interp, name, path, act->fault));
+    if (file_is_named(name, ".csv"))
+        TRY(read_list(&seeds, act, buf_text(path)));
+    else
+        TRY(read_map(&seeds, &map, act, &choice, &as));
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
-    if (!err)
-        err = plant_regions(act, &seeds, buf_text(path), &map, &choice, &planting);
+    TRY(plant_regions(act, &seeds, buf_text(path), &map, &choice, &planting));
     act_add_digest(act, "file", seeds_digest(&seeds));
     buf_printf(&act->reply->words, " added=%zu", planting.planted);
     act_add_markers(act);
     buf_printf(&act->reply->text, "%zu seed%s\n", planting.planted, plural(planting.planted));
-    return err ? err : act_prefix_file(act, act_write_planting(act, &planting));
+    return act_prefix_file(act, act_write_planting(act, &planting));
 }

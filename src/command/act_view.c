@@ -78,9 +78,7 @@ enum err act_weight(const struct act *act)
     struct kept *kept = &act->next->kept;
     kept->weight = (struct weight_choice){
         is_file ? WEIGHT_FILE : (enum weight_kind)act_number(act, "FILE"), 0};
-    const enum err err = take_argument(&kept->weight, act);
-    if (err)
-        return err;
+    TRY(take_argument(&kept->weight, act));
     if (is_file)
         return add_weights(act, weigh_by_file(act, act_text(act, "FILE")));
     kept->weight_map = NULL;
@@ -121,12 +119,9 @@ static enum err mask_by_file(const struct act *act)
     const uint32_t *regions = act_has(act, "regions") ? act_place(act, "regions") : all;
     OWNED(volume_release) struct volume map = {0};
     OWNED(mem_release) uint64_t *mask = mem_new(mask_bytes(&session->scene->grid));
-    enum err err =
-        act_read_map(act, &map, regions[0], regions[1] < REGION_MOST ? regions[1] : UINT32_MAX);
-    if (!err && !mask)
-        err = fault_memory(act->fault, "a mask");
-    if (err)
-        return err;
+    TRY(act_read_map(act, &map, regions[0], regions[1] < REGION_MOST ? regions[1] : UINT32_MAX));
+    if (!mask)
+        return fault_memory(act->fault, "a mask");
     struct grid_walk walk = scene_walk(session->scene, "voxels of the mask", NULL, 0);
     const uint16_t *region = map.intensity;
     while (grid_walk_next(&walk))
@@ -216,9 +211,7 @@ static enum err fit_shown(const struct act *act)
     struct view *view = &act->next->outlook.view;
     OWNED(fit_release) struct fit fit = {0};
     uint32_t place[3];
-    enum err err = fit_init(&fit, &act->session->border, act->fault);
-    if (err)
-        return err;
+    TRY(fit_init(&fit, &act->session->border, act->fault));
     fit_place(&fit, view, place);
     view->zoom = fit_zoom(&fit, view, place, act->next->outlook.look.samples);
     view_focus_on(view, act->session->scene, place);
@@ -248,9 +241,7 @@ enum err act_zoom(const struct act *act)
 enum err act_pan(const struct act *act)
 {
     struct camera camera;
-    const enum err err = session_aim(act->session, &act->session->now.outlook, &camera, act->fault);
-    if (err)
-        return err;
+    TRY(session_aim(act->session, &act->session->now.outlook, &camera, act->fault));
     view_pan(&act->next->outlook.view, &camera, act_number(act, "RIGHT"), act_number(act, "DOWN"));
     return act_go(act);
 }
@@ -510,8 +501,7 @@ enum err act_set(const struct act *act)
     if (!given)
         return fault_set(act->fault, ERR_USAGE, "expected what to change, as in `%s`",
                          act->call->command->example);
-    const enum err err = act_go(act);
-    if (!err)
-        report_setting(act, parameter->sets.says);
-    return err;
+    TRY(act_go(act));
+    report_setting(act, parameter->sets.says);
+    return OK;
 }

@@ -78,14 +78,14 @@ static enum err write_reaches(const struct act *act)
     size_t voxels;
     if (seeds == 0)
         return OK;
-    const enum err err = forest_count_refused(forest, &voxels, act->fault);
+    TRY(forest_count_refused(forest, &voxels, act->fault));
     buf_printf(out, "reach     %zu seed%s with `within`; ", seeds, plural(seeds));
     if (voxels)
         buf_printf(out, "%zu voxel%s without a tree, since all seeds around end before them\n",
                    voxels, plural(voxels));
     else
         buf_add_text(out, "no voxel is left without a tree by it\n");
-    return err;
+    return OK;
 }
 
 /* ---- voxels ---- */
@@ -460,9 +460,7 @@ enum err act_info(const struct act *act)
         buf_add_text(out, "no scene is open\n");
         return OK;
     }
-    enum err err = session_complete(session, act->fault);
-    if (err)
-        return err;
+    TRY(session_complete(session, act->fault));
     write_scene(out, session);
     const size_t seeds = forest_seeds(session->forest), waits = session_pendings(session);
     buf_printf(out, "forest    %zu seed%s, %zu edit%s pending, adjacency %u, weight ", seeds,
@@ -472,7 +470,7 @@ enum err act_info(const struct act *act)
     histogram_of_session(&histogram, session);
     histogram_write(out, &histogram, act->interp->has_blocks);
     act_write_region(out, session);
-    err = write_reaches(act);
+    TRY(write_reaches(act));
     act_write_finish(out, session);
     write_numbers(out, &session->now.kept);
     act_write_origin(out, session);
@@ -488,7 +486,7 @@ enum err act_info(const struct act *act)
         buf_printf(out, "; answers %.1f", (double)parts.answers / 1e6);
     buf_printf(out, "; and %.1f MB for undo\n",
                (double)history_memory(&act->interp->history) / 1e6);
-    return err;
+    return OK;
 }
 
 enum err act_help(const struct act *act)

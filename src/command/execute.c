@@ -78,15 +78,14 @@ static enum err execute_again(void *context, const char *command, struct buf *wo
     const struct resume *resume = context;
     struct session *session = resume->interp->session;
     OWNED(reply_release) struct reply reply = {0};
-    enum err err = interpreter_execute(resume->interp, command, &reply, fault);
-    if (!err && resume->catches_up) {
-        err = session_catch_up(session, fault);
+    TRY(interpreter_execute(resume->interp, command, &reply, fault));
+    if (resume->catches_up) {
+        TRY(session_catch_up(session, fault));
         buf_clear(&reply.words);
-        if (!err)
-            add_digests(&reply.words, session);
+        add_digests(&reply.words, session);
     }
     buf_add_text(words, buf_text(&reply.words));
-    return err;
+    return OK;
 }
 
 static enum err compare_record(struct resume *resume, const struct record *record,
@@ -189,7 +188,7 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
     interp->mode = MODE_LIVE;
     interp->wish = WISH_NONE;
     interp->shows_picture = false;
-    return err ? fault_prefix(fault, err, "cannot resume %s", path) : OK;
+    return fault_prefix(fault, err, "cannot resume %s", path);
 }
 
 /* ---- run a command ---- */
@@ -201,11 +200,11 @@ static enum err apply_edits(const struct interpreter *interp, struct session *se
         buf_add_text(&reply->text, "applied the pending edit, as `run` does\n");
     else
         buf_printf(&reply->text, "applied the %zu pending edits, as `run` does\n", interp->applied);
-    enum err err = session_run(session, fault);
+    TRY(session_run(session, fault));
     /* Count labels again: the command reports only its own changes, not those of pending edits. */
-    if (!err && interp->mode == MODE_LIVE)
-        err = session_count_labels(session, fault);
-    return err;
+    if (interp->mode == MODE_LIVE)
+        TRY(session_count_labels(session, fault));
+    return OK;
 }
 
 static enum err run_act(struct interpreter *interp, const struct call *call, struct reply *reply,
@@ -290,25 +289,23 @@ static enum err record_command(struct interpreter *interp, const struct command 
     const bool is_question = !(command->flags & COMMAND_RECORDED);
     const char *line = is_question ? run : buf_text(&reply->canonical);
     const struct session *session = interp->session;
-    enum err err = history_note(&interp->history, session, line, fault);
-    if (!err && interp->mode == MODE_LIVE && interp->new_journal) {
-        err = interpreter_create_journal(interp, interp->new_journal, fault);
-        if (err)
-            return fault_prefix(
-                fault, err, "cannot create a journal here (--journal FILE creates it elsewhere)");
+    TRY(history_note(&interp->history, session, line, fault));
+    if (interp->mode == MODE_LIVE && interp->new_journal) {
+        TRY(fault_prefix(fault, interpreter_create_journal(interp, interp->new_journal, fault),
+                         "cannot create a journal here (--journal FILE creates it elsewhere)"));
         interp->new_journal = NULL;
         interpreter_write_lock(interp, &reply->text);
     }
-    if (err || interp->mode != MODE_LIVE || !interp->journal)
-        return err;
+    if (interp->mode != MODE_LIVE || !interp->journal)
+        return OK;
     const bool only_looks = /* the command changed only the view (J1) */
         !reply->words.length && !interp->written.length && !history_moves(&interp->history) &&
         kept_equals(&session->now.kept, &session->former.kept);
-    err = journal_append(interp->journal, line, only_looks ? NULL : buf_text(&reply->words), fault);
-    return err ? fault_prefix(fault, err,
-                              "the command was undone because it could not be recorded (`journal "
-                              "FILE` continues in another file)")
-               : OK;
+    const enum err err =
+        journal_append(interp->journal, line, only_looks ? NULL : buf_text(&reply->words), fault);
+    return fault_prefix(fault, err,
+                        "the command was undone because it could not be recorded (`journal FILE` "
+                        "continues in another file)");
 }
 
 /* ---- commit or roll back a command ---- */
@@ -341,11 +338,11 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
     reply_clear(reply);
     interp->shows_picture = false;
     canvas_release(&interp->shown);
-    enum err err = command_parse(&call, line, interp->session, fault);
-    if (err || !call.command)
-        return err;
+    TRY(command_parse(&call, line, interp->session, fault));
+    if (!call.command)
+        return OK;
     bool recorded = call.command->flags & COMMAND_RECORDED;
-    err = interpreter_settle_name(interp, &call, fault);
+    enum err err = interpreter_settle_name(interp, &call, fault);
     command_write(&reply->canonical, &call);
     if (!err)
         err = interpreter_drop_sketch(interp, fault);
@@ -402,9 +399,9 @@ enum err interpreter_sketch(struct interpreter *interp, const char *line, struct
     struct session *session = interp->session;
     OWNED(reply_release) struct reply reply = {0};
     OWNED(call_release) struct call call = {0};
-    enum err err = command_parse(&call, line, session, fault);
-    if (err || !call.command)
-        return err;
+    TRY(command_parse(&call, line, session, fault));
+    if (!call.command)
+        return OK;
     if (!session->has_scene || !(call.command->flags & COMMAND_SKETCHED))
         return fault_set(fault, ERR_USAGE, "%s cannot be sketched", call.command->name);
     if (!interp->sketch.is_begun)
@@ -414,7 +411,7 @@ enum err interpreter_sketch(struct interpreter *interp, const char *line, struct
                                          .markers = session->markers.count};
     command_write(&reply.canonical, &call);
     session_mark(session);
-    err = execute_call(interp, &call, line, &reply, fault);
+    enum err err = execute_call(interp, &call, line, &reply, fault);
     if (!err)
         err = history_note(&interp->history, session, buf_text(&reply.canonical), fault);
     finish_command(interp, err == OK);

@@ -156,9 +156,7 @@ enum err golden_files_read(struct golden_files *files, const char *bytes, size_t
 {
     OWNED(walk_release) struct walk walk = {0};
     struct record record;
-    const enum err err = walk_begin(&walk, bytes, length, fault);
-    if (err)
-        return err;
+    TRY(walk_begin(&walk, bytes, length, fault));
     while (walk_next(&walk, &record) == WALK_RECORD)
         add_record(files, &record, walk.chain.hex);
     files->last = walk.chain;
@@ -339,9 +337,8 @@ static enum err copy_one(const struct golden_files *files, const char *to, const
     }
     if (!S_ISREG(status.st_mode))
         return OK;
-    const enum err err = file_read(bytes, buf_text(source), COPY_BYTES_MOST, fault);
-    return err ? err
-               : file_write(buf_text(target), buf_text(bytes), bytes->length, FILE_KEEP, fault);
+    TRY(file_read(bytes, buf_text(source), COPY_BYTES_MOST, fault));
+    return file_write(buf_text(target), buf_text(bytes), bytes->length, FILE_KEEP, fault);
 }
 
 enum err golden_files_copy(const struct golden_files *files, const char *to, struct fault *fault)

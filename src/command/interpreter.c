@@ -18,8 +18,8 @@ enum err interpreter_init(struct interpreter *interp, struct fault *fault)
 {
     *interp = (struct interpreter){0};
     history_init(&interp->history);
-    const enum err err = session_new(&interp->session, fault);
-    return err ? err : image_helper_new(&interp->helper, NULL, fault);
+    TRY(session_new(&interp->session, fault));
+    return image_helper_new(&interp->helper, NULL, fault);
 }
 
 void interpreter_release(struct interpreter *interp)
@@ -74,12 +74,9 @@ bool interpreter_is_journal(const char *path)
 enum err interpreter_create_journal(struct interpreter *interp, const char *path,
                                     struct fault *fault)
 {
-    enum err err = interpreter_set_home(interp, path, fault);
-    if (!err)
-        err = journal_create(&interp->journal, path, interp->session->semantics, fault);
-    if (err)
-        return err;
-    err = journal_set_sync(interp->journal, interp->sync, fault);
+    TRY(interpreter_set_home(interp, path, fault));
+    TRY(journal_create(&interp->journal, path, interp->session->semantics, fault));
+    enum err err = journal_set_sync(interp->journal, interp->sync, fault);
     if (err) { /* no thread is available: undo the creation */
         journal_close(interp->journal);
         interp->journal = NULL;
@@ -124,13 +121,13 @@ static enum err find_below(const struct interpreter *interp, const char *name, s
     const bool leads_out = trust_leads_out(name);
     const enum err err = trust_find(path, buf_text(&interp->home), interpreter_scenes(),
                                     leads_out ? file_name(name) : name, sought, fault);
-    return err && leads_out
-               ? fault_prefix(fault, err,
-                              sought->by_proof   ? "the scene of this record is not at %s"
-                              : sought->is_scene ? "the journal may not open %s"
-                                                 : "the journal may not read %s",
-                              name)
-               : err;
+    if (!leads_out)
+        return err;
+    return fault_prefix(fault, err,
+                        sought->by_proof   ? "the scene of this record is not at %s"
+                        : sought->is_scene ? "the journal may not open %s"
+                                           : "the journal may not read %s",
+                        name);
 }
 
 static enum err find_file(const struct interpreter *interp, const char *name, struct buf *path,

@@ -523,9 +523,7 @@ static enum err read_words(struct call *call, unsigned count, const struct known
         return report_unknown(fault, "unknown command", word);
     for (*wrong = 1; *wrong < count; ++*wrong) {
         word += strlen(word) + 1;
-        enum err err = fill_parameter(call, word, known, fault);
-        if (err)
-            return err;
+        TRY(fill_parameter(call, word, known, fault));
     }
     const struct parameter *p = call->command->parameter;
     struct value *line = NULL;

@@ -86,11 +86,10 @@ static enum err plant_cells(const struct act *act, struct planting *planting, co
     if (!count)
         return OK;
     planting->planted += count;
-    enum err err = session_plant(session, cell, count, label, planting->reach, act->fault);
-    if (!err && planting->yields)
-        err = session_yield(session, planting->run, planting->runs, act->fault);
-    return err || !is_exact(act, planting) ? err
-                                           : session_free_voxels(session, cell, count, act->fault);
+    TRY(session_plant(session, cell, count, label, planting->reach, act->fault));
+    if (planting->yields)
+        TRY(session_yield(session, planting->run, planting->runs, act->fault));
+    return is_exact(act, planting) ? session_free_voxels(session, cell, count, act->fault) : OK;
 }
 
 enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
@@ -221,8 +220,8 @@ static enum err leave_out(const struct act *act, struct planting *planting, stru
     size_t kept = 0, count = 0, begin = 0, next = 0, e = 0;
     const bool is_recorded = act_find_recorded(act, "spared", &word);
     struct spared_runs runs = {word.value, word.value + word.value_length, 0, 0, true};
-    enum err err = is_recorded ? OK : session_catch_up(session, act->fault);
-    for (size_t i = 0; !err && i <= all; i++) {
+    TRY(is_recorded ? OK : session_catch_up(session, act->fault));
+    for (size_t i = 0; i <= all; i++) {
         for (; e < ends && end[e] == i; e++)
             end[e] = kept;
         bool is_spared = false;
@@ -244,28 +243,28 @@ static enum err leave_out(const struct act *act, struct planting *planting, stru
     }
     voxels->count = kept;
     planting->spared = all - kept;
-    if (!err && is_recorded && (!runs.fits || runs.at != runs.end))
-        err = fault_set(act->fault, ERR_CHECK, "spared: expected N,N-N");
-    if (!err && count <= SPARED_MOST) {
+    if (is_recorded && (!runs.fits || runs.at != runs.end))
+        return fault_set(act->fault, ERR_CHECK, "spared: expected N,N-N");
+    if (count <= SPARED_MOST) {
         buf_add_blank(&act->reply->words);
         buf_printf(&act->reply->words, "spared=%s", count ? buf_text(spared) : "0");
     }
-    return err;
+    return OK;
 }
 
 enum err act_begin_exact(struct planting *planting, const struct act *act, struct voxels *voxels,
                          size_t *end, size_t ends)
 {
     const struct label_set takes = call_takes(act->call);
-    enum err err = act_find_exact(planting, act);
-    if (err || !act_has(act, "over|keep"))
-        return err;
+    TRY(act_find_exact(planting, act));
+    if (!act_has(act, "over|keep"))
+        return OK;
     if (!is_exact(act, planting))
         return fault_set(act->fault, ERR_USAGE,
                          "over, keep: only with within=0, or for one ball of radius 1 or more or "
                          "with `within`; nothing was planted");
-    err = session_run(act->session, act->fault);
-    return err ? err : leave_out(act, planting, voxels, &takes, NULL, end, ends);
+    TRY(session_run(act->session, act->fault));
+    return leave_out(act, planting, voxels, &takes, NULL, end, ends);
 }
 
 /* Record the new markers, and report the voxels left out. */
@@ -328,10 +327,9 @@ static enum err paint_way(struct voxels *voxels, const struct act *act, const st
     const uint32_t(*corner)[3] =
         (const uint32_t(*)[3])(goes_on ? to->line->corner[0] : act_place(act, "PLACE"));
     OWNED(brush_release) struct brush brush = {0};
-    const enum err err = brush_init(&brush, unit, radius, most, act->fault);
-    return err ? err
-               : paint_stroke(voxels, &session->scene->grid, &brush, corner,
-                              goes_on ? to->line->count : 1, session->watch, act->fault);
+    TRY(brush_init(&brush, unit, radius, most, act->fault));
+    return paint_stroke(voxels, &session->scene->grid, &brush, corner,
+                        goes_on ? to->line->count : 1, session->watch, act->fault);
 }
 
 /* Find the balls at each step of a way in which a gesture frees voxels. */
@@ -352,8 +350,8 @@ static enum err free_around_way(const struct act *act)
     OWNED(voxels_release) struct voxels voxels = {0};
     if (!act->session->markers.yields)
         return OK;
-    const enum err err = find_around_way(&voxels, act);
-    return err ? err : free_voxels(act, &voxels);
+    TRY(find_around_way(&voxels, act));
+    return free_voxels(act, &voxels);
 }
 
 static enum err free_around_box(const struct act *act)
@@ -375,8 +373,8 @@ static enum err free_around_box(const struct act *act)
         first[a] = first[a] > more ? first[a] - more : 0;
         last[a] = last[a] + more < grid->size[a] ? last[a] + more : grid->size[a] - 1;
     }
-    const enum err err = paint_box(&voxels, grid, first, last, false, session->watch, act->fault);
-    return err ? err : free_voxels(act, &voxels);
+    TRY(paint_box(&voxels, grid, first, last, false, session->watch, act->fault));
+    return free_voxels(act, &voxels);
 }
 
 /* Add the balls around the voxels first..last of a row. */
@@ -387,12 +385,12 @@ static enum err add_around(struct voxels *out, const struct act *act, const stru
     const struct place a = grid_place(grid, first), b = grid_place(grid, last);
     const uint32_t corner[2][3] = {{a.x, a.y, a.z}, {b.x, b.y, b.z}};
     OWNED(voxels_release) struct voxels around = {0};
-    enum err err = paint_stroke(&around, grid, brush, corner, 2, act->session->watch, act->fault);
-    if (!err && !mem_grow(&out->cell, &out->capacity, out->count + around.count, sizeof *out->cell))
-        err = fault_memory(act->fault, "seeds");
-    for (size_t i = 0; !err && i < around.count; i++)
+    TRY(paint_stroke(&around, grid, brush, corner, 2, act->session->watch, act->fault));
+    if (!mem_grow(&out->cell, &out->capacity, out->count + around.count, sizeof *out->cell))
+        return fault_memory(act->fault, "seeds");
+    for (size_t i = 0; i < around.count; i++)
         out->cell[out->count++] = around.cell[i];
-    return err;
+    return OK;
 }
 
 /* Plant one marker on voxels in a slice, and free their neighbourhood. */
@@ -401,20 +399,18 @@ static enum err plant_in_slice(const struct act *act, struct planting *planting,
 {
     OWNED(brush_release) struct brush brush = {0};
     OWNED(voxels_release) struct voxels around = {0};
-    enum err err = OK;
     if (act->session->markers.yields && !is_exact(act, planting))
-        err = brush_init(&brush, ones, FREES_LEAST, BRUSH_REACH_MOST, act->fault);
-    for (size_t i = 0, next; !err && brush.rows && i < voxels->count; i = next) {
+        TRY(brush_init(&brush, ones, FREES_LEAST, BRUSH_REACH_MOST, act->fault));
+    for (size_t i = 0, next; brush.rows && i < voxels->count; i = next) {
         for (next = i + 1;
              next < voxels->count && voxels->cell[next] == voxels->cell[next - 1] + 1;)
             next++;
-        err = add_around(&around, act, &brush, voxels->cell[i], voxels->cell[next - 1]);
+        TRY(add_around(&around, act, &brush, voxels->cell[i], voxels->cell[next - 1]));
     }
-    if (!err)
-        err = act_plant(act, planting, voxels->cell, voxels->count, label);
-    if (!err && planting->planted && around.count)
-        err = session_free_voxels(act->session, around.cell, around.count, act->fault);
-    return err;
+    TRY(act_plant(act, planting, voxels->cell, voxels->count, label));
+    if (planting->planted && around.count)
+        TRY(session_free_voxels(act->session, around.cell, around.count, act->fault));
+    return OK;
 }
 
 /* ---- balls and strokes ---- */
@@ -437,8 +433,8 @@ enum err act_find_voxels(const struct act *act, const struct value *to, struct v
 {
     const struct value *radius = act_value(act, "radius");
     const uint32_t *unit;
-    const enum err err = find_unit(&unit, act, "radius", radius);
-    return err ? err : paint_way(voxels, act, to, unit, radius->number, BRUSH_REACH_MOST);
+    TRY(find_unit(&unit, act, "radius", radius));
+    return paint_way(voxels, act, to, unit, radius->number, BRUSH_REACH_MOST);
 }
 
 /* True if the last command has planted a marker of this label, and no other one. */
@@ -574,20 +570,13 @@ static enum err plant_hollow_ball(const struct act *act)
     const uint32_t *unit;
     if (radius.given && is_through)
         return refuse_shell(act, "`radius` or `through`, not both");
-    enum err err = is_through ? find_radius(&radius, act) : OK;
-    if (!err && radius.number == 0)
+    TRY(is_through ? find_radius(&radius, act) : OK);
+    if (radius.number == 0)
         return refuse_shell(act, "a ball of radius 0 has nothing inside; give a radius");
-    if (!err)
-        err = find_unit(&unit, act, "radius", &radius);
-    if (!err)
-        err = brush_init(&brush, unit, radius.number, BRUSH_HOLLOW_REACH_MOST, act->fault);
-    if (!err)
-        err = brush_hollow(&brush, session->now.kept.adjacency, act->fault);
-    if (!err)
-        err =
-            paint_shell(&voxels, &session->scene->grid, &brush, middle, session->watch, act->fault);
-    if (err)
-        return err;
+    TRY(find_unit(&unit, act, "radius", &radius));
+    TRY(brush_init(&brush, unit, radius.number, BRUSH_HOLLOW_REACH_MOST, act->fault));
+    TRY(brush_hollow(&brush, session->now.kept.adjacency, act->fault));
+    TRY(paint_shell(&voxels, &session->scene->grid, &brush, middle, session->watch, act->fault));
     body.ball.radius = radius.number;
     memcpy(body.ball.centre, middle, sizeof body.ball.centre);
     memcpy(body.ball.unit, unit, sizeof body.ball.unit);
@@ -605,9 +594,9 @@ static enum err plant_hollow_box(const struct act *act)
         if (middle[a] == corner[a] || middle[a] == opposite[a])
             return refuse_shell(act, "a box less than 3 voxels thick has nothing inside");
     }
-    const enum err err = paint_box(&voxels, &act->session->scene->grid, corner, opposite, true,
-                                   act->session->watch, act->fault);
-    return err ? err : plant_shell(act, &voxels, &body);
+    TRY(paint_box(&voxels, &act->session->scene->grid, corner, opposite, true, act->session->watch,
+                  act->fault));
+    return plant_shell(act, &voxels, &body);
 }
 
 /* ---- `seed` ---- */
@@ -619,19 +608,19 @@ static enum err find_reach(uint16_t *number, const struct act *act, const struct
     const struct value *within = act_value(act, "within");
     const uint32_t *unit;
     struct reach reach = {.radius = within->number};
-    enum err err = find_unit(&unit, act, "within", within);
-    for (int a = 0; !err && a < 3; a++) {
+    TRY(find_unit(&unit, act, "within", within));
+    for (int a = 0; a < 3; a++) {
         reach.centre[a] = act_place(act, "PLACE")[a];
         reach.unit[a] = unit[a];
     }
-    for (size_t i = 0; !err && i < voxels->count; i++) {
+    for (size_t i = 0; i < voxels->count; i++) {
         const struct place p = grid_place(&session->scene->grid, voxels->cell[i]);
         if (!reach_holds(&reach, p.x, p.y, p.z))
-            err = fault_set(act->fault, ERR_USAGE,
-                            "within: less than the radius; expected at least the radius; "
-                            "nothing was planted");
+            return fault_set(act->fault, ERR_USAGE,
+                             "within: less than the radius; expected at least the radius; "
+                             "nothing was planted");
     }
-    return err || !number ? err : session_add_reach(session, &reach, number, act->fault);
+    return number ? session_add_reach(session, &reach, number, act->fault) : OK;
 }
 
 /* Plant a ball, and the voxels that its tree changes of the labels allowed by `over` and `keep`, as
@@ -645,20 +634,16 @@ static enum err plant_confined(const struct act *act, struct planting *planting,
     OWNED(voxels_release) struct voxels around = {0}, grown = {0};
     struct record_word word;
     size_t taken = 0, others = 0;
-    enum err err = session_run(session, act->fault);
+    TRY(session_run(session, act->fault));
     seeds->count = keep_allowed(act, planting, seeds->cell, seeds->count, label);
-    if (!err)
-        err = find_around_way(&around, act);
-    if (!err && !act_find_recorded(act, "spared", &word)) {
-        err = session_catch_up(session, act->fault);
-        if (!err)
-            err = session_grow_confined(session, &takes, label, seeds, &around, &grown, act->fault);
+    TRY(find_around_way(&around, act));
+    if (!act_find_recorded(act, "spared", &word)) {
+        TRY(session_catch_up(session, act->fault));
+        TRY(session_grow_confined(session, &takes, label, seeds, &around, &grown, act->fault));
     }
-    if (!err)
-        err = leave_out(act, planting, &around, NULL, &grown, NULL, 0);
-    if (!err)
-        err = make_exact(planting, act);
-    for (size_t i = 0, next = 0; !err && i < around.count; i++) {
+    TRY(leave_out(act, planting, &around, NULL, &grown, NULL, 0));
+    TRY(make_exact(planting, act));
+    for (size_t i = 0, next = 0; i < around.count; i++) {
         for (; next < seeds->count && seeds->cell[next] < around.cell[i]; next++)
             ;
         if (next < seeds->count && seeds->cell[next] == around.cell[i])
@@ -667,15 +652,14 @@ static enum err plant_confined(const struct act *act, struct planting *planting,
             around.cell[others++] = around.cell[i];
     }
     planting->spared = seeds->count - taken;
-    if (!err)
-        err = plant_cells(act, planting, seeds->cell, taken, label);
-    if (!err && taken && others) {
+    TRY(plant_cells(act, planting, seeds->cell, taken, label));
+    if (taken && others) {
         planting->yields = true;
-        err = plant_cells(act, planting, around.cell, others, label);
+        TRY(plant_cells(act, planting, around.cell, others, label));
         session_join(session);
         buf_printf(&act->reply->text, "grown: %zu voxel%s\n", others, plural(others));
     }
-    return err ? err : end_planting(act, planting);
+    return end_planting(act, planting);
 }
 
 enum err act_seed(const struct act *act)
@@ -703,18 +687,18 @@ enum err act_seed(const struct act *act)
     const bool is_ball = !act_has(act, "to|joined") && act_number(act, "radius") > 0;
     const bool grows =
         act_has(act, "over|keep") && (is_confined || (is_ball && !act_has(act, "within")));
-    enum err err = act_find_voxels(act, act_value(act, "to"), &voxels);
-    if (!err && is_confined)
-        err = find_reach(grows ? NULL : &planting.reach, act, &voxels);
-    if (!err && !is_confined && !grows)
-        err = act_begin_exact(&planting, act, &voxels, NULL, 0);
-    if (!err && grows)
-        err = plant_confined(act, &planting, &voxels);
-    else if (!err)
-        err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
-    if (!err && act_has(act, "joined"))
+    TRY(act_find_voxels(act, act_value(act, "to"), &voxels));
+    if (is_confined)
+        TRY(find_reach(grows ? NULL : &planting.reach, act, &voxels));
+    if (!is_confined && !grows)
+        TRY(act_begin_exact(&planting, act, &voxels, NULL, 0));
+    if (grows)
+        TRY(plant_confined(act, &planting, &voxels));
+    else
+        TRY(plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL")));
+    if (act_has(act, "joined"))
         session_join(act->session);
-    return err || is_exact(act, &planting) ? err : free_around_way(act);
+    return is_exact(act, &planting) ? OK : free_around_way(act);
 }
 
 /* ---- `box` ---- */
@@ -727,13 +711,11 @@ enum err act_box(const struct act *act)
         return fault_set(act->fault, ERR_USAGE, "around: only with shell=yes; nothing was planted");
     if (act_is_yes(act, "shell"))
         return plant_hollow_box(act);
-    enum err err = paint_box(&voxels, &act->session->scene->grid, act_place(act, "CORNER"),
-                             act_place(act, "OPPOSITE"), false, act->session->watch, act->fault);
-    if (!err)
-        err = act_begin_exact(&planting, act, &voxels, NULL, 0);
-    if (!err)
-        err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
-    return err || is_exact(act, &planting) ? err : free_around_box(act);
+    TRY(paint_box(&voxels, &act->session->scene->grid, act_place(act, "CORNER"),
+                  act_place(act, "OPPOSITE"), false, act->session->watch, act->fault));
+    TRY(act_begin_exact(&planting, act, &voxels, NULL, 0));
+    TRY(plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL")));
+    return is_exact(act, &planting) ? OK : free_around_box(act);
 }
 
 /* ---- `fill`, `outline` ---- */
@@ -753,15 +735,13 @@ static enum err plant_ring(const struct act *act, struct voxels *ring, int16_t l
     for (size_t m = 0; m < markers->count; m++)
         has_another |= markers->marker[m].label > 0 && markers->marker[m].label != label;
     label_set_add(&takes, (uint8_t)label);
-    enum err err = has_another ? leave_out(act, &planting, ring, &takes, NULL, NULL, 0) : OK;
+    TRY(has_another ? leave_out(act, &planting, ring, &takes, NULL, NULL, 0) : OK);
     *others = planting.spared;
-    if (!err)
-        err = act_find_exact(&planting, act);
-    if (!err)
-        err = plant_in_slice(act, &planting, ring, 0);
-    if (!err && planting.planted)
+    TRY(act_find_exact(&planting, act));
+    TRY(plant_in_slice(act, &planting, ring, 0));
+    if (planting.planted)
         session_join(act->session);
-    return err;
+    return OK;
 }
 
 static enum err plant_polygon(const struct act *act, int ring)
@@ -777,16 +757,14 @@ static enum err plant_polygon(const struct act *act, int ring)
                          "a polygon has three corners or more, not all on one line (`box` "
                          "fills a rectangle); nothing was planted");
     const uint32_t(*corner)[3] = (const uint32_t(*)[3])line->corner;
-    enum err err = paint_polygon(&inside, grid, corner, line->count, watch, act->fault);
-    if (!err && ring)
-        err = paint_ring(&around, grid, &inside, corner, line->count, ring, watch, act->fault);
-    if (!err)
-        err = act_begin_exact(&planting, act, &inside, NULL, 0);
-    if (!err)
-        err = plant_in_slice(act, &planting, &inside, label);
-    if (!err && planting.planted && ring)
-        err = plant_ring(act, &around, label, &planting.others);
-    return err ? err : end_planting(act, &planting);
+    TRY(paint_polygon(&inside, grid, corner, line->count, watch, act->fault));
+    if (ring)
+        TRY(paint_ring(&around, grid, &inside, corner, line->count, ring, watch, act->fault));
+    TRY(act_begin_exact(&planting, act, &inside, NULL, 0));
+    TRY(plant_in_slice(act, &planting, &inside, label));
+    if (planting.planted && ring)
+        TRY(plant_ring(act, &around, label, &planting.others));
+    return end_planting(act, &planting);
 }
 
 enum err act_fill(const struct act *act)
@@ -821,8 +799,8 @@ enum err act_outline(const struct act *act)
         return fault_set(act->fault, ERR_USAGE,
                          "ring: a ring of background is only for objects, without `over` and "
                          "`keep`; nothing was planted");
-    const enum err err = act_has(act, "instead") ? remove_former(act) : OK;
-    return err ? err : plant_polygon(act, (int)ring);
+    TRY(act_has(act, "instead") ? remove_former(act) : OK);
+    return plant_polygon(act, (int)ring);
 }
 
 /* ---- `between` ---- */
@@ -842,11 +820,8 @@ static enum err find_outlines(int *axis, const struct act *act)
     const struct scene *scene = session->scene;
     struct buf *planes = act_buf(act);
     unsigned axes;
-    const enum err err =
-        between_find(&axes, NULL, &session->markers, &scene->grid,
-                     (int16_t)act_number(act, "LABEL"), 0, session->watch, act->fault);
-    if (err)
-        return err;
+    TRY(between_find(&axes, NULL, &session->markers, &scene->grid,
+                     (int16_t)act_number(act, "LABEL"), 0, session->watch, act->fault));
     if (act_has(act, "plane"))
         axes &= 1u << slice_axis(scene, (enum slice_plane)act_number(act, "plane"));
     *axis = axes ? __builtin_ctz(axes) : 0;
@@ -892,19 +867,15 @@ static enum err find_between(struct voxels *out, struct between_tally *tally, co
     if (!map)
         return fault_memory(act->fault, "outlines");
     memset(map, 0, scene->grid.cells);
-    enum err err =
-        between_find(&axes, map, &session->markers, &scene->grid, (int16_t)act_number(act, "LABEL"),
-                     axis, session->watch, act->fault);
-    if (!err)
-        err = between_fill(map, tally, &scene->grid, scene->spacing_nm, axis, session->team,
-                           session->watch, act->fault);
-    if (!err)
-        err = collect_filled(out, act, map, tally->voxels);
-    if (!err && tally->sections < 2)
+    TRY(between_find(&axes, map, &session->markers, &scene->grid, (int16_t)act_number(act, "LABEL"),
+                     axis, session->watch, act->fault));
+    TRY(between_fill(map, tally, &scene->grid, scene->spacing_nm, axis, session->team,
+                     session->watch, act->fault));
+    TRY(collect_filled(out, act, map, tally->voxels));
+    if (tally->sections < 2)
         return refuse_between(act, "has exact outlines in one slice alone",
                               "; outline it in another slice too");
-    return err || tally->voxels ? err
-                                : refuse_between(act, "has no voxels between its outlines", "");
+    return tally->voxels ? OK : refuse_between(act, "has no voxels between its outlines", "");
 }
 
 enum err act_between(const struct act *act)
@@ -920,19 +891,12 @@ enum err act_between(const struct act *act)
         takes = call_takes(act->call);
     else
         buf_add_text(&act->reply->canonical, " over=0");
-    enum err err = find_outlines(&axis, act);
-    if (!err)
-        err = find_between(&voxels, &tally, act, axis);
-    if (!err)
-        err = session_run(act->session, act->fault);
-    if (!err)
-        err = make_exact(&planting, act);
-    if (!err)
-        err = leave_out(act, &planting, &voxels, &takes, NULL, NULL, 0);
-    if (!err)
-        err = plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL"));
-    if (err)
-        return err;
+    TRY(find_outlines(&axis, act));
+    TRY(find_between(&voxels, &tally, act, axis));
+    TRY(session_run(act->session, act->fault));
+    TRY(make_exact(&planting, act));
+    TRY(leave_out(act, &planting, &voxels, &takes, NULL, NULL, 0));
+    TRY(plant_all(act, &planting, &voxels, (int16_t)act_number(act, "LABEL")));
     enum slice_plane plane = SLICE_AXIAL;
     while (slice_axis(scene, plane) != axis)
         plane++;
@@ -981,8 +945,8 @@ static enum err find_pieces(struct search *s)
             s->may[c] = may_belong(s, c);
             s->unsure += interval_splits(&s->planting.within, session->scene->cell[c].intensity);
         }
-    const enum err err = watch_fault(session->watch, s->act->fault);
-    return err ? err : components_find(&s->found, grid, s->may, session->watch, s->act->fault);
+    TRY(watch_fault(session->watch, s->act->fault));
+    return components_find(&s->found, grid, s->may, session->watch, s->act->fault);
 }
 
 static bool begins_in(const struct search *s, const struct component_run *run)
@@ -1070,14 +1034,10 @@ static enum err plant_object(struct search *s)
             "no seed of label %u is in a voxel of this range; plant one there, or name a "
             "voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was planted",
             act_place(act, "LABEL")[0]);
-    enum err err = act_begin_exact(&s->planting, act, &s->voxels, NULL, 0);
-    if (!err)
-        err = act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label);
+    TRY(act_begin_exact(&s->planting, act, &s->voxels, NULL, 0));
+    TRY(act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label));
     s->planting.unsure = 0; /* s->unsure counts them */
-    if (!err)
-        err = act_write_planting(act, &s->planting);
-    if (err)
-        return err;
+    TRY(act_write_planting(act, &s->planting));
     buf_printf(&act->reply->text, "%zu voxel%s of label ", s->planting.planted,
                plural(s->planting.planted));
     label_report_write_name(&act->reply->text, act->session, (unsigned)s->label);

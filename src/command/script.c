@@ -108,9 +108,7 @@ static enum err begin_run(struct run *run, FILE *input, struct fault *fault)
     buf_add(own, bytes->data, bytes->length);
     if (own->failed)
         return fault_memory(fault, "a script");
-    const enum err err = walk_begin(&run->walk, own->data, own->length, fault);
-    if (err)
-        return err;
+    TRY(walk_begin(&run->walk, own->data, own->length, fault));
     run->mode = RECORDED_UNDECIDED;
     next_record(run);
     bool knows;
@@ -211,9 +209,7 @@ static enum err compare_line(struct run *run, const char *line, struct call *cal
     const struct session *session = interp->session;
     const bool is_recorded = call->command->flags & COMMAND_RECORDED,
                opens = call->command->act == act_open;
-    const enum err err = interpreter_settle_name(interp, call, fault);
-    if (err)
-        return err;
+    TRY(interpreter_settle_name(interp, call, fault));
     if (opens && session->series && call_has(call, "series"))
         call_set(call, "series", session->series, NULL);
     command_write(&reply->canonical, call);

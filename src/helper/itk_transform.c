@@ -144,7 +144,6 @@ struct reading {
 static enum err add_part(struct reading *r, const struct part *part, struct fault *fault)
 {
     struct affine one;
-    enum err err = OK;
     if (is_named(part, COMPOSITE) && !r->is_composite && r->parts == 0) {
         r->is_composite = true;
         buf_add_text(r->kind, COMPOSITE);
@@ -156,9 +155,7 @@ static enum err add_part(struct reading *r, const struct part *part, struct faul
                          "expected one, or a CompositeTransform");
     if (r->parts >= PARTS_MOST)
         return fault_set(fault, ERR_LIMIT, "its composite has more than %d transforms", PARTS_MOST);
-    err = take_part(&one, part, fault);
-    if (err)
-        return err;
+    TRY(take_part(&one, part, fault));
     if (!r->is_composite)
         buf_printf(r->kind, "%.*s", (int)name_length(part->name), part->name);
     affine_compose(r->out, r->out, &one);
@@ -268,8 +265,7 @@ static size_t take_matrix(char name[NAME_MOST], double number[NUMBERS_MOST], uns
 static enum err read_matrices(struct reading *r, const char *bytes, size_t length,
                               struct fault *fault)
 {
-    enum err err = OK;
-    for (size_t at = 0, n; !err && at < length; at += n) {
+    for (size_t at = 0, n; at < length; at += n) {
         struct part part;
         char fixed[NAME_MOST];
         const size_t first =
@@ -281,9 +277,9 @@ static enum err read_matrices(struct reading *r, const char *bytes, size_t lengt
         if (!second || strcmp(fixed, "fixed") != 0)
             return fault_set(fault, ERR_INPUT,
                              "it is damaged, or no affine transform, from byte %zu on", at);
-        err = add_part(r, &part, fault);
+        TRY(add_part(r, &part, fault));
     }
-    return err;
+    return OK;
 }
 
 enum err itk_transform_read(struct affine *out, struct buf *kind, const char *bytes, size_t length,

@@ -33,9 +33,7 @@ enum {
 enum err coprocess_find(struct buf *out, const char *name, struct fault *fault)
 {
     OWNED(buf_release) struct buf own = {0}, above = {0}, installed = {0};
-    const enum err err = file_program_folder(&own, fault);
-    if (err)
-        return err;
+    TRY(file_program_folder(&own, fault));
     file_folder(&above, buf_text(&own));
     buf_printf(&installed, "%s/libexec/iftty/%s", buf_text(&above), name);
     buf_printf(&own, "/%s", name);

@@ -131,18 +131,15 @@ static enum err check_header(const struct buf *header, const struct picture *lik
         return fault_set(fault, ERR_CHECK,
                          "the sizes differ: it is %lldx%lld pixels, and %ux%u are drawn",
                          (long long)side[0], (long long)side[1], like->width, like->height);
-    enum err err = exr_write_header_of(&expected, like, fault);
-    if (!err && !cut_header(&expected))
-        err = fault_memory(fault, "a header");
-    if (!err && ((bits_get(header->data + 4, 4, false) ^ bits_get(expected.data + 4, 4, false)) &
-                 ~(uint64_t)LONG_NAMES))
-        err = fault_set(fault, ERR_CHECK, "it has several parts, or is of another kind");
-    if (!err)
-        err = compare_attributes(header, &expected, "it has %s %s that iftty does not write there",
-                                 fault);
-    return err ? err
-               : compare_attributes(&expected, header, "it lacks %s %s, or has it otherwise",
-                                    fault);
+    TRY(exr_write_header_of(&expected, like, fault));
+    if (!cut_header(&expected))
+        return fault_memory(fault, "a header");
+    if ((bits_get(header->data + 4, 4, false) ^ bits_get(expected.data + 4, 4, false)) &
+        ~(uint64_t)LONG_NAMES)
+        return fault_set(fault, ERR_CHECK, "it has several parts, or is of another kind");
+    TRY(compare_attributes(header, &expected, "it has %s %s that iftty does not write there",
+                           fault));
+    return compare_attributes(&expected, header, "it lacks %s %s, or has it otherwise", fault);
 }
 
 enum {
@@ -276,9 +273,7 @@ static enum err get_attributes(struct picture *out, exr_context_t context, struc
             return fault_memory(fault, "a note on a picture");
         memcpy(value, string->length ? string->str : "", (size_t)string->length);
         value[string->length] = '\0';
-        const enum err err = picture_note(out, attribute->name, value, fault);
-        if (err)
-            return err;
+        TRY(picture_note(out, attribute->name, value, fault));
     }
     return OK;
 }
@@ -465,7 +460,7 @@ static enum err check_golden(uint64_t *header_bytes, const struct exr_stream *st
         err = fault_set(fault, ERR_CHECK, "it has %" PRIu64 " bytes, too many for its pixels",
                         stream->bytes);
     *header_bytes = header.length;
-    return err ? fault_prefix(fault, err, "%s", stream->path) : OK;
+    return fault_prefix(fault, err, "%s", stream->path);
 }
 
 enum err exr_read_golden(struct picture *out, const char *path, const struct picture *like,
@@ -474,16 +469,14 @@ enum err exr_read_golden(struct picture *out, const char *path, const struct pic
     struct exr_stream stream = {.path = path};
     exr_context_initializer_t setup = exr_stream_setup(&stream);
     *out = (struct picture){0};
-    enum err err = file_open(&stream.fd, &stream.bytes, path, O_RDONLY, fault);
-    if (err)
-        return err;
+    TRY(file_open(&stream.fd, &stream.bytes, path, O_RDONLY, fault));
     struct reader *r = calloc(1, sizeof *r); /* tables of 30 kB */
     if (r) {
         r->out = out;
         r->like = like;
         r->watch = watch;
     }
-    err = r ? OK : fault_memory(fault, path);
+    enum err err = r ? OK : fault_memory(fault, path);
     if (!err && like)
         err = check_golden(&r->next, &stream, like, fault);
     setup.max_image_width = setup.max_image_height = PICTURE_SIDE_MOST;

@@ -204,10 +204,9 @@ enum err image_write(struct image_helper *helper, const char *path, enum file_mo
     const struct strips_format *format = image_strips(path);
     if (format)
         return strips_write(format, path, mode, picture, fault);
-    enum err err = image_movie_begin(&movie, picture, 1, 0, fault);
-    if (!err)
-        err = image_movie_add(&movie, picture, fault);
-    return err ? err : image_movie_end(&movie, fault);
+    TRY(image_movie_begin(&movie, picture, 1, 0, fault));
+    TRY(image_movie_add(&movie, picture, fault));
+    return image_movie_end(&movie, fault);
 }
 
 enum err image_check_png(const char *path, struct fault *fault)
@@ -253,11 +252,8 @@ static enum err receive_note(struct image_helper *helper, struct picture *out, s
 static enum err send_request(struct image_helper *helper, const char *request, const char *path,
                              char line[COPROCESS_LINE], struct fault *fault)
 {
-    enum err err = check_request("read", path, NULL, fault);
-    if (!err)
-        err = image_helper_start(helper, fault);
-    if (err)
-        return err;
+    TRY(check_request("read", path, NULL, fault));
+    TRY(image_helper_start(helper, fault));
     snprintf(line, COPROCESS_LINE, "%s %zu\n", request, strlen(path));
     if (!transmit_texts(&helper->process, line, path, ""))
         return coprocess_fault(&helper->process, "read", path, fault);

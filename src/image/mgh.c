@@ -143,9 +143,7 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
                             struct fault *fault)
 {
     uint8_t bytes[HEADER_BYTES];
-    enum err err = source_read(source, bytes, sizeof bytes, "the header", NULL, fault);
-    if (err)
-        return err;
+    TRY(source_read(source, bytes, sizeof bytes, "the header", NULL, fault));
     const int32_t version = get_int(bytes + VERSION_AT), code = get_int(bytes + TYPE_AT);
     if (version != VERSION)
         return fault_set(fault, ERR_INPUT,

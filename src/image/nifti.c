@@ -521,17 +521,14 @@ static enum err read_fields(struct nifti_header *header, char *notes, struct vol
                          "not a NIfTI file: %" PRIu64 " bytes; expected at least 348 of header",
                          source->bytes);
     *header = (struct nifti_header){0};
-    enum err err = source_read(source, bytes, NIFTI_LEAST_BYTES, "the header", NULL, fault);
-    if (!err)
-        err = nifti_header_recognise(header, bytes, fault);
-    if (!err)
-        err = source_read(source, bytes + NIFTI_LEAST_BYTES, header->bytes - NIFTI_LEAST_BYTES,
-                          "the header", NULL, fault);
-    if (!err)
-        nifti_header_decode(header, bytes);
-    if (!err && header->kind == NIFTI_ANALYZE)
+    TRY(source_read(source, bytes, NIFTI_LEAST_BYTES, "the header", NULL, fault));
+    TRY(nifti_header_recognise(header, bytes, fault));
+    TRY(source_read(source, bytes + NIFTI_LEAST_BYTES, header->bytes - NIFTI_LEAST_BYTES,
+                    "the header", NULL, fault));
+    nifti_header_decode(header, bytes);
+    if (header->kind == NIFTI_ANALYZE)
         convert_analyze(header, bytes, notes);
-    return err;
+    return OK;
 }
 
 /* Read three dimensions, whose grid may be larger than its part; further ones count volumes. */
@@ -583,7 +580,7 @@ static enum err read_layout(struct volume_header *out, struct nifti_header *head
     }
     out->bytes = source->bytes;
     voxels_note_rest(out, source, "is this .img the one of this .hdr?");
-    return err ? fault_prefix(fault, err, "its .img") : OK;
+    return fault_prefix(fault, err, "its .img");
 }
 
 /* Fill the header of the volume from the fields; `source` has the voxels. */
@@ -729,18 +726,16 @@ static enum err go_to_other(struct volume_source *source, bool to_voxels, struct
             fault, ERR_IO, "there is no %s next to it, with its %s" BOTH "%s",
             file_name(buf_text(&other)), to_voxels ? "voxels" : "header",
             to_voxels ? "" : "; `open raw:FILE size=X,Y,Z type=T` reads voxels without one");
-    const enum err err = source_switch(source, buf_text(&other), fault);
-    return err ? fault_prefix(fault, err, "%s", file_name(buf_text(&other))) : OK;
+    return fault_prefix(fault, source_switch(source, buf_text(&other), fault), "%s",
+                        file_name(buf_text(&other)));
 }
 
 /* Go to the voxels of a pair whose header was read, and fill the header of the volume. */
 static enum err take_pair(struct volume_header *out, struct nifti_header *header,
                           struct volume_source *source, struct fault *fault)
 {
-    const enum err err = is_voxels(source->path) ? source_switch(source, source->path, fault)
-                                                 : go_to_other(source, true, fault);
-    if (err)
-        return err;
+    TRY(is_voxels(source->path) ? source_switch(source, source->path, fault)
+                                : go_to_other(source, true, fault));
     if (header->kind == NIFTI_ANALYZE) { /* SPM writes the place to a file of MATLAB */
         OWNED(buf_release) struct buf matrix = {0};
         buf_add(&matrix, source->path,
@@ -787,12 +782,8 @@ static enum err read_without_header(struct volume_header *out, struct volume_sou
             fault, ERR_INPUT,
             "no header of ANALYZE or NIfTI: its first four bytes are neither 348 nor 540");
     }
-    enum err err = go_to_other(source, false, fault);
-    if (err)
-        return err;
-    err = read_fields(&header, out->notes, source, fault);
-    if (err)
-        return fault_prefix(fault, err, "its .hdr");
+    TRY(go_to_other(source, false, fault));
+    TRY(fault_prefix(fault, read_fields(&header, out->notes, source, fault), "its .hdr"));
     if (header.kind == NIFTI_SINGLE)
         return fault_set(fault, ERR_INPUT, "its .hdr is that of a single file, not of a pair");
     return take_pair(out, &header, source, fault);

@@ -322,15 +322,13 @@ static enum err read_header(struct volume_header *out, struct volume_source *sou
     size_t length = 0;
     OWNED(mem_release) char *bytes = source->packed ? NULL : first_bytes(source, &length);
     const bool is_ours = bytes && nrrd_header_read(&header, bytes, length);
-    enum err err = is_ours ? enter_voxels(source, &header, fault) : OK;
-    if (err)
-        return err;
+    TRY(is_ours ? enter_voxels(source, &header, fault) : OK);
     if (!source->decoder) { /* read by the helper; add the segments of several volumes */
         OWNED(mem_release) char *unchanged = bytes ? first_bytes(source, &length) : NULL;
-        err = volume_helper_read_header(out, source, fault);
-        if (!err && unchanged && out->volumes > 1)
+        TRY(volume_helper_read_header(out, source, fault));
+        if (unchanged && out->volumes > 1)
             list_segments(out, unchanged, length);
-        return err;
+        return OK;
     }
     const uint64_t end = header.offset + (header.is_packed ? 1 : nrrd_voxels_bytes(&header));
     if (source->bytes < end)
@@ -493,9 +491,9 @@ static enum err write_map(const char *path, enum file_mode mode, const struct vo
                          "cannot write %s: a .seg.nrrd holds labels; expected .nrrd for this map",
                          path);
     write_header(&header, map);
-    const enum err err = is_segmentation ? write_segments(&header, map, watch, fault) : OK;
+    TRY(is_segmentation ? write_segments(&header, map, watch, fault) : OK);
     buf_add_char(&header, '\n');
-    return err ? err : voxels_write(path, mode, &header, PACKED_VOXELS, map, watch, fault);
+    return voxels_write(path, mode, &header, PACKED_VOXELS, map, watch, fault);
 }
 
 extern const struct volume_format nrrd_format;

@@ -148,18 +148,18 @@ static enum err read_plane(uint8_t *to, struct blocks *blocks, uint32_t z, struc
     const size_t part_bytes = (size_t)header->size[0] * blocks->width;
     const uint64_t row = ((uint64_t)header->begin[2] + z) * whole[1] + header->begin[1];
     const size_t plane = (size_t)(z / step[2]) * header->size[1];
-    enum err err = source_go_to(blocks->source, blocks->offset + row * bytes, "the voxels", fault);
-    for (uint32_t y = 0; y < header->size[1] * step[1] && !err; y++) {
-        err = source_read(blocks->source, blocks->row, bytes, "the voxels", NULL, fault);
-        if (!err && blocks->sum)
+    TRY(source_go_to(blocks->source, blocks->offset + row * bytes, "the voxels", fault));
+    for (uint32_t y = 0; y < header->size[1] * step[1]; y++) {
+        TRY(source_read(blocks->source, blocks->row, bytes, "the voxels", NULL, fault));
+        if (blocks->sum)
             add_row(blocks, y / step[1]);
-        else if (!err && y % step[1] == (step[1] - 1) / 2 && z % step[2] == (step[2] - 1) / 2)
+        else if (y % step[1] == (step[1] - 1) / 2 && z % step[2] == (step[2] - 1) / 2)
             pick_row(to + (plane + y / step[1]) * part_bytes, blocks); /* the middle of blocks */
-        if (!err && !task_advance(task, whole[0]))
-            err = watch_fault(task->watch, fault);
+        if (!task_advance(task, whole[0]))
+            TRY(watch_fault(task->watch, fault));
     }
-    if (err || !blocks->sum || (z + 1) % step[2] != 0)
-        return err;
+    if (!blocks->sum || (z + 1) % step[2] != 0)
+        return OK;
     to += plane * part_bytes;
     for (size_t i = 0; i < (size_t)header->size[0] * header->size[1];
          i++) { /* and clear the sums */
@@ -190,8 +190,7 @@ enum err part_read(void *to, const struct volume_header *header, uint64_t offset
     const uint32_t planes = header->size[2] * header->step[2];
     struct task task = task_begin(
         watch, "reading", (uint64_t)planes * header->size[1] * header->step[1] * header->whole[0]);
-    enum err err = OK;
-    for (uint32_t z = 0; z < planes && !err; z++)
-        err = read_plane(to, &blocks, z, &task, fault);
-    return err ? err : source_finish(source, fault);
+    for (uint32_t z = 0; z < planes; z++)
+        TRY(read_plane(to, &blocks, z, &task, fault));
+    return source_finish(source, fault);
 }

@@ -46,9 +46,7 @@ enum err picture_job_new(struct picture_job **out, const char *path, enum file_m
                          struct picture *picture, struct fault *fault)
 {
     *out = NULL;
-    const enum err err = file_may_write(path, mode, fault);
-    if (err)
-        return err;
+    TRY(file_may_write(path, mode, fault));
     struct picture_job *job = calloc(1, sizeof *job);
     if (job)
         job->path = strdup(path);

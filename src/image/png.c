@@ -197,7 +197,6 @@ static enum err add_head(struct buf *png, const struct png_coder *coder, const c
     const double count = picture->pixel_mm > 0 ? 1000 / picture->pixel_mm + 0.5 : 0;
     const uint32_t a_metre = count < most ? (uint32_t)count : 0;
     uint8_t scale[SCALE] = {[8] = 1}; /* unit: metres */
-    enum err err = OK;
     add_beginning(png, coder->width, coder->height, 8,
                   coder->channels == 4 ? PNG_WITH_ALPHA : PNG_COLOURED);
     for (int i = 0; i < WRITTEN; i++)
@@ -206,9 +205,9 @@ static enum err add_head(struct buf *png, const struct png_coder *coder, const c
     bits_put(scale + 4, 4, a_metre, true);
     if (a_metre)
         add_chunk(png, "pHYs", scale, SCALE);
-    for (size_t i = 0; i < picture->attributes && !err; i++)
-        err = add_note(png, &picture->attribute[i], path, fault);
-    return err ? err : png->failed ? fault_memory(fault, path) : OK;
+    for (size_t i = 0; i < picture->attributes; i++)
+        TRY(add_note(png, &picture->attribute[i], path, fault));
+    return png->failed ? fault_memory(fault, path) : OK;
 }
 
 /* ---- the file ---- */

@@ -493,7 +493,6 @@ static enum err fit_whole(struct way_back *back, struct fitting *f)
     const uint64_t zero = order_zero(f->type);
     struct numbers numbers = {f->from, f->count, f->type, 0, UINT64_MAX, 0};
     uint64_t core[2];
-    enum err err = OK;
     for (size_t i = 0, end; i < f->count && task_advance(f->task, PIECE); i = end)
         for (end = i + PIECE < f->count ? i + PIECE : f->count; i < end; i++) {
             const uint64_t order = order_at(f->from + width * i, f->type);
@@ -506,16 +505,14 @@ static enum err fit_whole(struct way_back *back, struct fitting *f)
     if (steps.greatest - steps.least > UINT16_MAX && steps.least >= zero &&
         f->volume->choice.by_extremes) {
         bool fits;
-        err = fit_distinct(&fits, f);
-        if (err || fits)
-            return err;
+        TRY(fit_distinct(&fits, f));
+        if (fits)
+            return OK;
     }
     if (steps.greatest - steps.least > UINT16_MAX) {
         steps.step = (steps.greatest - steps.least - 1) / UINT16_MAX + 1;
-        err = make_levels(core, f, &numbers);
+        TRY(make_levels(core, f, &numbers));
     }
-    if (err)
-        return err;
     const bool is_clamped = f->levels && f->levels->is_clamped;
     if (is_clamped)
         steps = steps_around(core, &numbers);
@@ -666,17 +663,15 @@ static enum err find_line(struct line *line, const struct extent *extent, struct
     }
     if (range == 0 || f->volume->choice.by_extremes)
         return OK;
-    const enum err err = make_levels(core, f, &numbers);
-    if (!err && f->levels->is_clamped) {
+    TRY(make_levels(core, f, &numbers));
+    if (f->levels->is_clamped) {
         const double low = order_number(core[0], f->type), high = order_number(core[1], f->type);
         *line = (struct line){fmax(extent->low, low - (high - low)),
                               fmin(extent->high, high + (high - low)), 1, LEVELS - 3};
     }
-    if (!err) {
-        f->levels->ends[0] = line->low;
-        f->levels->ends[1] = line->high;
-    }
-    return err;
+    f->levels->ends[0] = line->low;
+    f->levels->ends[1] = line->high;
+    return OK;
 }
 
 static enum err fit_reals(struct way_back *back, struct fitting *f)
@@ -685,9 +680,7 @@ static enum err fit_reals(struct way_back *back, struct fitting *f)
     const struct extent extent = is_double ? find_extent(f->from, f->count, true, f->task)
                                            : find_extent(f->from, f->count, false, f->task);
     struct line line;
-    const enum err err = find_line(&line, &extent, f);
-    if (err)
-        return err;
+    TRY(find_line(&line, &extent, f));
     if (is_double)
         convert_reals(f, &line, true);
     else

@@ -166,8 +166,8 @@ enum err source_open(struct volume_source *source, const char *path, struct watc
     source->is_folder = file_is_folder(path);
     if (source->is_folder)
         return OK;
-    const enum err err = file_open(&fd, &source->bytes, path, O_RDONLY, fault);
-    return err ? err : begin_source(source, fd, fault);
+    TRY(file_open(&fd, &source->bytes, path, O_RDONLY, fault));
+    return begin_source(source, fd, fault);
 }
 
 enum err source_enter(struct volume_source *source, const struct volume_source *of, uint64_t from,
@@ -199,9 +199,7 @@ void source_close(struct volume_source *source)
 enum err source_switch(struct volume_source *source, const char *path, struct fault *fault)
 {
     struct volume_source other;
-    const enum err err = source_open(&other, path, source->watch, fault);
-    if (err)
-        return err;
+    TRY(source_open(&other, path, source->watch, fault));
     if (other.is_folder)
         return fault_set(fault, ERR_INPUT, "a folder; expected a file");
     other.path = source->path;

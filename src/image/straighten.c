@@ -109,10 +109,9 @@ enum err straighten_size(uint32_t out[3], const uint32_t size[3], const struct g
     memcpy(out, size, 3 * sizeof *out);
     if (geometry_shear(geometry) < SHEAR_LEAST)
         return OK;
-    const enum err err = plan_shear(&s, size, geometry, fault);
-    if (!err)
-        memcpy(out, s.size, sizeof s.size);
-    return err;
+    TRY(plan_shear(&s, size, geometry, fault));
+    memcpy(out, s.size, sizeof s.size);
+    return OK;
 }
 
 /* ---- voxels ---- */
@@ -207,9 +206,7 @@ enum err straighten(struct volume *volume, struct watch *watch, struct fault *fa
                                        : "its axes are at right angles: nothing to straighten");
         return OK;
     }
-    const enum err err = plan_shear(&s, volume->size, &volume->geometry, fault);
-    if (err)
-        return err;
+    TRY(plan_shear(&s, volume->size, &volume->geometry, fault));
     uint16_t *out = mem_array((size_t)s.size[0] * s.size[1] * s.size[2], sizeof *out);
     if (!out)
         return fault_memory(fault, "a straightened volume");

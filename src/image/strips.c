@@ -190,10 +190,7 @@ enum err strips_write(const struct strips_format *format, const char *path, enum
 {
     struct strips *s;
     struct picture to;
-    const enum err err =
-        strips_begin(&s, format, path, mode, picture, picture_planes(picture), fault);
-    if (err)
-        return err;
+    TRY(strips_begin(&s, format, path, mode, picture, picture_planes(picture), fault));
     for (uint32_t y = 0, n; y < picture->height; y += n) {
         n = strips_lend(s, y, picture->height - y, &to);
         const struct picture from = picture_rows(picture, y, n);

@@ -223,11 +223,9 @@ enum err volume_begin(struct volume_reader *reader, const char *path,
     *reader = (struct volume_reader){.path = path, .header.volumes = 1};
     if (choice)
         header->choice = *choice;
-    enum err err = source_open(&reader->source, path, watch, fault);
-    if (err)
-        return err;
+    TRY(source_open(&reader->source, path, watch, fault));
     header->bytes = reader->source.bytes;
-    err = find_format(&reader->format, &reader->source, &header->choice, fault);
+    enum err err = find_format(&reader->format, &reader->source, &header->choice, fault);
     if (!err)
         err = reader->format->read_header(header, &reader->source, fault);
     if (!err && !header->choice.straightens) /* otherwise note those of the result */
@@ -239,7 +237,7 @@ enum err volume_begin(struct volume_reader *reader, const char *path,
                     "`measure` allow for it, and pictures, radii and distances do not: "
                     "straighten=yes brings them to right angles",
                     degrees);
-    return err ? fault_prefix(fault, err, "%s", path) : OK;
+    return fault_prefix(fault, err, "%s", path);
 }
 
 /* Apply the spacing of the user to a file without spacing. */
@@ -330,14 +328,14 @@ enum err volume_choose(struct volume_reader *reader, const struct volume_choice 
     memcpy(header->made, header->size, sizeof header->made);
     if (!err && header->choice.straightens)
         err = straighten_size(header->made, header->size, &header->geometry, fault);
-    return err ? fault_prefix(fault, err, "%s", reader->path) : OK;
+    return fault_prefix(fault, err, "%s", reader->path);
 }
 
 enum err volume_open(struct volume_reader *reader, const char *path,
                      const struct volume_choice *choice, struct watch *watch, struct fault *fault)
 {
-    const enum err err = volume_begin(reader, path, choice, watch, fault);
-    return err ? err : volume_choose(reader, NULL, fault);
+    TRY(volume_begin(reader, path, choice, watch, fault));
+    return volume_choose(reader, NULL, fault);
 }
 
 /* Read the numbers of the file to the end of the memory of the intensities, or of more memory if
@@ -361,10 +359,7 @@ static enum err read_numbers(struct volume *out, struct volume_reader *reader, s
     uint64_t offset = header->offset;
     if (!source->decoder) /* which sends only the chosen volume */
         offset += header->choice.volume * voxels_in(header->whole) * width;
-    enum err err =
-        reader->format->begin_voxels ? reader->format->begin_voxels(header, source, fault) : OK;
-    if (err)
-        return err;
+    TRY(reader->format->begin_voxels ? reader->format->begin_voxels(header, source, fault) : OK);
     if (wide > mem_available())
         return fault_set(fault, ERR_MEMORY, "%zu MB of voxels; this machine has %zu MB left",
                          wide >> 20, mem_available() >> 20);
@@ -375,10 +370,9 @@ static enum err read_numbers(struct volume *out, struct volume_reader *reader, s
     voxels += wide - needed;
     if (part_is_less(header))
         return part_read(voxels, header, offset, source, source->watch, fault);
-    err = source_go_to(source, offset, "the extensions of its header", fault);
-    if (!err)
-        err = source_read(source, voxels, needed, "the voxels", source->watch, fault);
-    return err ? err : source_finish(source, fault);
+    TRY(source_go_to(source, offset, "the extensions of its header", fault));
+    TRY(source_read(source, voxels, needed, "the voxels", source->watch, fault));
+    return source_finish(source, fault);
 }
 
 enum err volume_take(struct volume *out, struct volume_reader *reader, struct fault *fault)
@@ -406,7 +400,7 @@ enum err volume_take(struct volume *out, struct volume_reader *reader, struct fa
         note_tilt(out->notes, &out->geometry);
     if (err)
         volume_release(out);
-    return err ? fault_prefix(fault, err, "%s", reader->path) : OK;
+    return fault_prefix(fault, err, "%s", reader->path);
 }
 
 void volume_close(struct volume_reader *reader)
@@ -419,8 +413,8 @@ enum err volume_read(struct volume *out, const char *path, const struct volume_c
 {
     OWNED(volume_close) struct volume_reader reader;
     *out = (struct volume){0};
-    const enum err err = volume_open(&reader, path, choice, watch, fault);
-    return err ? err : volume_take(out, &reader, fault);
+    TRY(volume_open(&reader, path, choice, watch, fault));
+    return volume_take(out, &reader, fault);
 }
 
 enum err volume_read_names(struct buf *names, const struct volume_reader *reader,
@@ -459,6 +453,7 @@ enum err volume_write(const char *path, enum file_mode mode, const struct volume
     const struct volume_format *format = format_named(path, true);
     if (format)
         return format->write(path, mode, map, watch, fault);
-    const enum err err = refuse_format("expected the name of a volume, ", true, ERR_USAGE, fault);
-    return fault_prefix(fault, err, "cannot write %s", path);
+    return fault_prefix(fault,
+                        refuse_format("expected the name of a volume, ", true, ERR_USAGE, fault),
+                        "cannot write %s", path);
 }

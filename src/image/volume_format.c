@@ -248,9 +248,7 @@ static enum err read_raw(struct volume_header *out, struct volume_source *source
 {
     const struct raw_layout *raw = &out->choice.raw;
     struct grid grid;
-    enum err err = grid_init(&grid, raw->size, fault);
-    if (err)
-        return err;
+    TRY(grid_init(&grid, raw->size, fault));
     snprintf(out->format, sizeof out->format, "raw");
     out->type = (enum voxel_type)raw->type;
     snprintf(out->type_name, sizeof out->type_name, "%s", voxel_type_name(out->type));
@@ -259,10 +257,9 @@ static enum err read_raw(struct volume_header *out, struct volume_source *source
     memcpy(out->size, raw->size, sizeof out->size);
     out->geometry.slope = 1;
     header_place(out, (const double[3][4]){{1}, {0, 1}, {0, 0, 1}}, false, false);
-    err = voxels_check(out, source, fault);
-    if (!err)
-        voxels_note_rest(out, source, "check size, type and offset");
-    return err;
+    TRY(voxels_check(out, source, fault));
+    voxels_note_rest(out, source, "check size, type and offset");
+    return OK;
 }
 
 extern const struct volume_format raw_format;

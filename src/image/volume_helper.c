@@ -79,9 +79,7 @@ static enum err take_bytes(struct source_decoder *decoder, void *to, size_t leng
         int64_t piece;
         const char *rest = line;
         if (helper->left == 0) {
-            const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
-            if (err)
-                return err;
+            TRY(coprocess_answer(process, line, NULL, NULL, fault));
             if (!scan_text(&rest, "piece ") || !coprocess_numbers(rest, 1, &most, &piece)) {
                 coprocess_odd(process);
                 return coprocess_fault(process, NULL, NULL, fault);
@@ -166,7 +164,7 @@ static enum err start_helper(struct volume_source *source, struct fault *fault)
     helper->decoder = (struct source_decoder){take_bytes, free_helper};
     source->decoder = &helper->decoder;
     struct coprocess *process = &helper->process;
-    enum err err = coprocess_init(process, VOLUME_HELPER, volume_helper_program, fault);
+    TRY(coprocess_init(process, VOLUME_HELPER, volume_helper_program, fault));
     process->kind = "the volume helper";
     process->hint = " (NIfTI, MGH, NRRD in one file and raw voxels work without it)";
     process->made_of = COPROCESS_OF_ITK;
@@ -175,18 +173,15 @@ static enum err start_helper(struct volume_source *source, struct fault *fault)
     process->watch = source->watch;
     process->doing = "reading";
     process->memory = most && most < available ? most : available;
-    if (!err)
-        err = coprocess_start(process, fault);
-    if (!err && !coprocess_limit(process, HELD_BEFORE, process->memory))
-        err = fault_errno(fault, "limit the memory of", process->program);
-    if (err || source_peek(source, first, sizeof first) < sizeof first ||
+    TRY(coprocess_start(process, fault));
+    if (!coprocess_limit(process, HELD_BEFORE, process->memory))
+        return fault_errno(fault, "limit the memory of", process->program);
+    if (source_peek(source, first, sizeof first) < sizeof first ||
         memcmp(first, "CDF", sizeof first) != 0)
-        return err;
-    err = folder_temporary(&helper->room, NULL, fault);
-    return err ? fault_prefix(fault, err,
-                              "it is MINC 1, which needs room in $TMPDIR to read; `mincconvert "
-                              "-2` converts it to MINC 2")
-               : OK;
+        return OK;
+    return fault_prefix(fault, folder_temporary(&helper->room, NULL, fault),
+                        "it is MINC 1, which needs room in $TMPDIR to read; `mincconvert -2` "
+                        "converts it to MINC 2");
 }
 
 static bool send_request(struct volume_helper *helper, const char *kind, const char *path,
@@ -265,9 +260,7 @@ static enum err receive_answer(struct volume_header *out, struct coprocess *proc
     for (int64_t before = -1; fine;) {
         int64_t number[2];
         const char *at = line;
-        const enum err err = coprocess_answer(process, line, NULL, NULL, fault);
-        if (err)
-            return err;
+        TRY(coprocess_answer(process, line, NULL, NULL, fault));
         if (scan_text(&at, "list "))
             fine = receive_list(out->choice.list, process, at);
         else if (scan_text(&at, "contents "))
@@ -338,17 +331,17 @@ static enum err receive_checked(struct volume_header *out, struct coprocess *pro
         return fault_set(fault, ERR_INPUT,
                          "its numbers are scaled by %g and %g; expected finite ones", number[12],
                          number[13]);
-    const enum err err = grid_init(&grid, out->size, fault);
+    TRY(grid_init(&grid, out->size, fault));
     size_t bytes = voxel_bytes(out->type);
-    for (int a = 0; a < 3 && !err; a++)
+    for (int a = 0; a < 3; a++)
         if (!size_multiply(bytes, out->size[a], &bytes))
             return fault_set(fault, ERR_LIMIT, "its voxels do not fit the memory of any machine");
-    if (!err && !is_close && bytes > CLAIMED_FREELY && bytes / PACKED_BEST > out->bytes)
+    if (!is_close && bytes > CLAIMED_FREELY && bytes / PACKED_BEST > out->bytes)
         return fault_set(fault, ERR_INPUT,
                          "cut short or false: its header claims %zu bytes of voxels, and it has "
                          "%" PRIu64 " bytes",
                          bytes, out->bytes);
-    return err;
+    return OK;
 }
 
 enum err volume_helper_read_header(struct volume_header *out, struct volume_source *source,
@@ -364,17 +357,15 @@ enum err volume_helper_read_header(struct volume_header *out, struct volume_sour
         return fault_set(fault, ERR_INPUT,
                          "its reader is a library, and this kernel has no Landlock to keep it to "
                          "this file; `--unconfined` has it read all the same");
-    enum err err = start_helper(source, fault);
+    TRY(start_helper(source, fault));
     struct volume_helper *helper = (struct volume_helper *)source->decoder;
-    if (err)
-        return err;
     if (source->is_folder || strcmp(kind, "nrrd") == 0 || strcmp(kind, "meta") == 0 ||
         strcmp(kind, "any") == 0) /* its voxels may be in another file */
         out->bytes = UINT64_MAX;
     if (!send_request(helper, kind, source->path, &out->choice))
         return coprocess_fault(&helper->process, NULL, NULL, fault);
-    err = receive_answer(out, &helper->process, line, fault);
-    return err ? err : receive_checked(out, &helper->process, line, fault);
+    TRY(receive_answer(out, &helper->process, line, fault));
+    return receive_checked(out, &helper->process, line, fault);
 }
 
 /* Raise its limits of memory, for the volume and a second one in transfer, and of time. */

@@ -200,19 +200,19 @@ static enum err take_bytes(struct config *config, const char *text, size_t lengt
                            struct fault *fault)
 {
     OWNED(buf_release) struct buf line = {0};
-    enum err err = check_bytes(text, length, fault);
+    TRY(check_bytes(text, length, fault));
     /* Words are separated by blanks, without blanks at the ends. */
     while (length > 0 && strchr(" \t\r", text[length - 1]))
         length--;
     while (length > 0 && strchr(" \t", *text))
         text++, length--;
-    for (size_t i = 0; i < length && !err; i++)
+    for (size_t i = 0; i < length; i++)
         buf_add_char(&line, text[i] == '\t' ? ' ' : text[i]);
-    if (!err && line.length && *line.data != '#')
-        err = take_line(config, buf_text(&line), fault);
-    if (!err && line.failed)
-        err = fault_memory(fault, "a line");
-    return err;
+    if (line.length && *line.data != '#')
+        TRY(take_line(config, buf_text(&line), fault));
+    if (line.failed)
+        return fault_memory(fault, "a line");
+    return OK;
 }
 
 /* Report the current line, which is ignored. */

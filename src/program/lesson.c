@@ -203,15 +203,12 @@ enum err lesson_begin(struct lesson *lesson, const struct interpreter *interp, s
     struct watch *watch = interp->session->watch;
     OWNED(volume_release) struct volume map = {0};
     OWNED(buf_release) struct buf path = {0};
-    enum err err = interpreter_find_file(interp, LESSON_TRUTH, &path, fault);
-    if (!err)
-        err = map_read(&map, buf_text(&path), &place, watch, fault);
-    if (!err)
-        err = map_to_regions(&map, 0, REGION_MOST, watch, fault);
-    if (!err)
-        err = map_to_labels(&lesson->truth, &map, &choice, watch, fault);
+    TRY(interpreter_find_file(interp, LESSON_TRUTH, &path, fault));
+    TRY(map_read(&map, buf_text(&path), &place, watch, fault));
+    TRY(map_to_regions(&map, 0, REGION_MOST, watch, fault));
+    TRY(map_to_labels(&lesson->truth, &map, &choice, watch, fault));
     memcpy(lesson->size, place.grid->size, sizeof lesson->size);
-    return err;
+    return OK;
 }
 
 /* Count slice by slice, to know the differences of each. After `interpolate` has made another grid,

@@ -165,8 +165,8 @@ static enum err draw_heat(const struct panes *p, struct session *session, struct
     const bool over_tint = session->now.outlook.slices.overlay == SLICE_TINT;
     const struct hint_list *found;
     const uint8_t *heat;
-    const enum err err = session_find_hints(session, &found, &heat, fault);
-    for (enum slice_plane plane = SLICE_AXIAL; !err && plane <= SLICE_SAGITTAL; plane++) {
+    TRY(session_find_hints(session, &found, &heat, fault));
+    for (enum slice_plane plane = SLICE_AXIAL; plane <= SLICE_SAGITTAL; plane++) {
         const struct mosaic_box *box = &p->panel.layout.box[plane];
         for (uint32_t y = box->top; y < box->top + box->height; y++)
             for (uint32_t x = box->left; x < box->left + box->width; x++) {
@@ -185,7 +185,7 @@ static enum err draw_heat(const struct panes *p, struct session *session, struct
                 }
             }
     }
-    return err;
+    return OK;
 }
 
 /* Draw lines in the middle of a box, if they fit. */

@@ -483,9 +483,7 @@ static enum err host_picture(void *context, const struct pilot_wish *wish, struc
 {
     struct pilot_interpreter *pilot = context;
     const struct panes *panes = &pilot->panes;
-    const enum err err = draw(pilot, wish, fault);
-    if (err)
-        return err;
+    TRY(draw(pilot, wish, fault));
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++)
         pilot->slice[pane] = panes_box(panes, pane);
     *view = (struct image_view){.width = wish->width,
@@ -662,8 +660,8 @@ static enum err host_finish(void *context, const struct pilot_onlooker *onlooker
     struct finishing f = {session_of(context),
                           onlooker,
                           {.context = &f, .poll = poll_finishing, .show = show_finishing}};
-    const enum err err = session_refine(f.session, &f.watch, fault);
-    return err ? err : interpreter_write_losses(pilot->interp, NULL, news, fault);
+    TRY(session_refine(f.session, &f.watch, fault));
+    return interpreter_write_losses(pilot->interp, NULL, news, fault);
 }
 
 static void host_preview_cross(void *context, const uint32_t place[3])

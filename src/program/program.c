@@ -381,8 +381,8 @@ enum err program_read(const struct program_table *table, int count, char **word,
                          table->called);
     if (!program)
         return fault_set(fault, ERR_USAGE, "name a program; see `%s --help`", table->called);
-    enum err err = read_words(table, words, name != NULL, options, fault);
-    return err ? err : check_operands(table, options, fault);
+    TRY(read_words(table, words, name != NULL, options, fault));
+    return check_operands(table, options, fault);
 }
 
 int program_main(const struct program_table *table, int count, char **word, struct options *options)

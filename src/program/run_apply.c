@@ -41,10 +41,10 @@ enum err run_log_procedure(const struct options *o, struct fault *fault)
     const struct procedure_source source = source_of(o);
     OWNED(buf_release) struct buf text = {0};
     console_handle_interrupts();
-    enum err err = procedure_text(&text, NULL, &source, fault);
-    if (!err && strcmp(o->procedure, "-") == 0)
+    TRY(procedure_text(&text, NULL, &source, fault));
+    if (strcmp(o->procedure, "-") == 0)
         fputs(buf_text(&text), stdout);
-    else if (!err)
-        err = file_write(o->procedure, text.data, text.length, FILE_KEEP, fault);
-    return err;
+    else
+        TRY(file_write(o->procedure, text.data, text.length, FILE_KEEP, fault));
+    return OK;
 }

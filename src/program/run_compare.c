@@ -46,7 +46,7 @@ static enum err take_labels(struct pair *pair, int side, struct volume *map, str
     choice.as = as;
     if (!err)
         err = map_to_labels(&pair->compared.label[side], map, &choice, console_watch(), fault);
-    return err ? fault_prefix(fault, err, "%s", o->word[side]) : OK;
+    return fault_prefix(fault, err, "%s", o->word[side]);
 }
 
 static enum err read_map(struct pair *pair, int side, struct fault *fault)
@@ -57,10 +57,10 @@ static enum err read_map(struct pair *pair, int side, struct fault *fault)
         .choice = begin_volume(pair->options, (size_t)side),
         .resample = pair->options->resample ? REGRID_RESAMPLE : REGRID_AS_IT_IS_FOR_PROGRAM};
     OWNED(volume_release) struct volume map = {0};
-    const enum err err = map_read(&map, pair->options->word[side], &place, console_watch(), fault);
-    if (!err && *map.notes)
+    TRY(map_read(&map, pair->options->word[side], &place, console_watch(), fault));
+    if (*map.notes)
         console_warn(NULL, map.notes);
-    return err ? err : take_labels(pair, side, &map, fault);
+    return take_labels(pair, side, &map, fault);
 }
 
 /* Read A, which defines the grid. */
@@ -69,33 +69,26 @@ static enum err read_first(struct pair *pair, struct fault *fault)
     struct volume_choice choice = begin_volume(pair->options, 0);
     OWNED(volume_release) struct volume map = {0};
     choice.by_extremes = true; /* as a map */
-    enum err err = volume_read(&map, pair->options->word[0], &choice, console_watch(), fault);
-    if (!err)
-        err = grid_init(&pair->grid, map.size, fault);
+    TRY(volume_read(&map, pair->options->word[0], &choice, console_watch(), fault));
+    TRY(grid_init(&pair->grid, map.size, fault));
     pair->geometry = map.geometry;
-    return err ? err : take_labels(pair, 0, &map, fault);
+    return take_labels(pair, 0, &map, fault);
 }
 
 /* Open the scene of the picture, which defines the grid. */
 static enum err open_scene(struct pair *pair, struct fault *fault)
 {
     const struct options *o = pair->options;
-    enum err err = session_new(&pair->session, fault);
-    if (err)
-        return err;
+    TRY(session_new(&pair->session, fault));
     session_set_watch(pair->session, console_watch());
     const struct volume_choice choice = begin_volume(o, o->scene ? 2 : 0);
-    err = session_open(pair->session, o->scene ? o->scene : o->word[0], &choice, fault);
-    if (err)
-        return err;
+    TRY(session_open(pair->session, o->scene ? o->scene : o->word[0], &choice, fault));
     struct state next = pair->session->now;
     next.outlook.view.width = next.outlook.view.height = PICTURE_SIDE;
     next.outlook.view.angle[0] = 30000; /* from the left, above and in front */
     next.outlook.view.angle[1] = 20000;
     next.outlook.decorations = DECORATE_LETTERS | DECORATE_SCALE; /* over the surface */
-    err = session_go(pair->session, &next, NULL, 0, fault);
-    if (err)
-        return err;
+    TRY(session_go(pair->session, &next, NULL, 0, fault));
     pair->grid = pair->session->scene->grid;
     pair->geometry = pair->session->geometry;
     return read_map(pair, 0, fault);
@@ -110,12 +103,10 @@ static enum err write_picture(struct pair *pair, const struct comparison_report 
     OWNED(picture_release) struct picture picture = {0};
     const uint32_t *place =
         comparison_farthest(&pair->comparison, session->now.outlook.slices.cross);
-    const enum err err = of_surface
-                             ? distance_picture_draw(&picture, session, report, true, fault)
-                             : comparison_picture_draw(&picture, session, report, place, fault);
-    return err ? err
-               : image_write_png(of_surface ? pair->options->surface : pair->options->picture,
-                                 &picture, fault);
+    TRY(of_surface ? distance_picture_draw(&picture, session, report, true, fault)
+                   : comparison_picture_draw(&picture, session, report, place, fault));
+    return image_write_png(of_surface ? pair->options->surface : pair->options->picture, &picture,
+                           fault);
 }
 
 static enum err compare_pair(struct pair *pair, struct team *team, struct fault *fault)
@@ -125,30 +116,26 @@ static enum err compare_pair(struct pair *pair, struct team *team, struct fault 
     bool listed[256] = {false};
     const struct comparison_report report = {
         &pair->comparison, {o->word[0], o->word[1]}, &pair->kept, &pair->geometry, listed};
-    enum err err = o->picture || o->surface ? open_scene(pair, fault) : read_first(pair, fault);
-    if (!err)
-        err = read_map(pair, 1, fault);
+    TRY(o->picture || o->surface ? open_scene(pair, fault) : read_first(pair, fault));
+    TRY(read_map(pair, 1, fault));
     if (o->regions && !o->binary) /* requested labels have a row */
         regions_list(listed, &pair->regions, &pair->kept);
-    for (int a = 0; a < 3 && !err; a++) {
+    for (int a = 0; a < 3; a++) {
         pair->compared.size[a] = pair->grid.size[a];
         pair->compared.spacing_nm[a] = pair->geometry.spacing_nm[a];
     }
-    if (!err)
-        err = comparison_make(&pair->comparison, &pair->compared, team, console_watch(), fault);
-    if (!err && o->picture)
-        err = write_picture(pair, &report, false, fault);
-    if (!err && o->surface)
-        err = write_picture(pair, &report, true, fault);
-    if (!err) {
-        (o->json  ? comparison_write_json
-         : o->csv ? comparison_write_csv
-                  : comparison_write_text)(&text, &report);
-        err = text.failed ? fault_memory(fault, "a report") : OK;
-    }
-    if (!err)
-        console_print(NULL, buf_text(&text));
-    return err;
+    TRY(comparison_make(&pair->comparison, &pair->compared, team, console_watch(), fault));
+    if (o->picture)
+        TRY(write_picture(pair, &report, false, fault));
+    if (o->surface)
+        TRY(write_picture(pair, &report, true, fault));
+    (o->json  ? comparison_write_json
+     : o->csv ? comparison_write_csv
+              : comparison_write_text)(&text, &report);
+    if (text.failed)
+        return fault_memory(fault, "a report");
+    console_print(NULL, buf_text(&text));
+    return OK;
 }
 
 enum err run_compare(const struct options *o, struct fault *fault)
@@ -160,18 +147,14 @@ enum err run_compare(const struct options *o, struct fault *fault)
     if (o->as && o->binary)
         return fault_set(fault, ERR_USAGE,
                          "--as and --binary are mutually exclusive; give one of them");
-    enum err err = image_check_png(o->picture, fault);
-    if (err)
-        return fault_prefix(fault, err, "--picture");
-    err = image_check_png(o->surface, fault);
-    if (err)
-        return fault_prefix(fault, err, "--surface");
+    TRY(fault_prefix(fault, image_check_png(o->picture, fault), "--picture"));
+    TRY(fault_prefix(fault, image_check_png(o->surface, fault), "--surface"));
     OWNED(mem_release) struct pair *pair = mem_new(sizeof *pair);
     if (!pair)
         return fault_memory(fault, "a comparison");
     pair->options = o;
     console_handle_interrupts();
-    err = regions_read(&pair->regions, o->regions, o->as, fault);
+    enum err err = regions_read(&pair->regions, o->regions, o->as, fault);
     if (!err)
         err = team_new(&team, team_size_wanted(), fault);
     if (!err)

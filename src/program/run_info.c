@@ -179,9 +179,7 @@ static enum err add_own_exr(struct facts *f, const char *path, struct fault *fau
 {
     OWNED(picture_release) struct picture p;
     OWNED(buf_release) struct buf channels = {0};
-    enum err err = exr_read(&p, path, fault);
-    if (err)
-        return err;
+    TRY(exr_read(&p, path, fault));
     buf_add_text(&channels, p.is_associated ? "R G B A half, associated alpha" : "R G B A half");
     buf_add_text(&channels, !p.depth_mm ? "" : p.is_associated ? ", Z depth float" : ", Z float");
     buf_add_text(&channels, p.label ? ", label uint" : "");

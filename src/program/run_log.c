@@ -42,7 +42,7 @@ static enum err print_written(enum err (*write)(struct buf *out, const char *byt
     enum err err = file_read(&bytes, o->word[0], JOURNAL_BYTES_MAX, fault);
     if (!err)
         err = write(&text, buf_text(&bytes), bytes.length, fault);
-    if (err && bytes.length)
+    if (bytes.length)
         fault_prefix(fault, err, "%s", o->word[0]);
     if (!err && text.failed)
         err = fault_memory(fault, "a journal");
@@ -87,10 +87,9 @@ static enum err check_journal(struct buf *out, const char *bytes, size_t length,
                               struct fault *fault)
 {
     struct journal_condition condition;
-    const enum err err = journal_check(&condition, bytes, length, fault);
-    if (!err)
-        buf_printf(out, "%s\n", condition.text);
-    return err;
+    TRY(journal_check(&condition, bytes, length, fault));
+    buf_printf(out, "%s\n", condition.text);
+    return OK;
 }
 
 enum err run_log_check(const struct options *o, struct fault *fault)
@@ -101,8 +100,7 @@ enum err run_log_check(const struct options *o, struct fault *fault)
 enum err run_log_repair(const struct options *o, struct fault *fault)
 {
     OWNED(buf_release) struct buf lines = {0};
-    const enum err err = journal_repair(o->word[0], SEMANTICS, &lines, fault);
-    if (!err)
-        puts(buf_text(&lines));
-    return err;
+    TRY(journal_repair(o->word[0], SEMANTICS, &lines, fault));
+    puts(buf_text(&lines));
+    return OK;
 }

@@ -375,16 +375,16 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
 static enum err prompt_begin(void *context, struct buf *output, struct fault *fault)
 {
     struct prompt *prompt = context;
-    enum err err = begin_session(context, output, fault);
-    if (!err && prompt->lesson)
-        err = lesson_begin(prompt->lesson, &prompt->interp, fault);
-    if (!err && prompt->lesson) {
+    TRY(begin_session(context, output, fault));
+    if (prompt->lesson)
+        TRY(lesson_begin(prompt->lesson, &prompt->interp, fault));
+    if (prompt->lesson) {
         buf_clear(output);
         buf_add_text(output, buf_text(&prompt->config.words));
         lesson_add_beginning(output);
         add_lesson(prompt, output);
     }
-    return err;
+    return OK;
 }
 
 static void prompt_find(void *context, const char *piece, struct buf *candidates)
@@ -523,9 +523,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
     static struct prompt prompt; /* too large for the stack */
     OWNED(buf_release) struct buf journal = {0};
     const bool is_terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
-    enum err err = begin_check(o, &prompt.first, &prompt.resumes, fault);
-    if (err)
-        return err;
+    TRY(begin_check(o, &prompt.first, &prompt.resumes, fault));
     if (lesson && prompt.first && !prompt.resumes)
         return fault_set(fault, ERR_USAGE,
                          "%s is not a journal of a lesson; `iftty tutorial` begins one",
@@ -541,7 +539,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
     begin_journal_name(&journal, lesson ? "tutorial" : prompt.first);
     if (isatty(STDIN_FILENO)) /* otherwise Ctrl-C ends the program */
         console_handle_interrupts();
-    err = begin_by_options(&prompt.interp, o, fault);
+    enum err err = begin_by_options(&prompt.interp, o, fault);
     begin_to_wait(&prompt.interp);
     if (!o->journal && !prompt.resumes)
         prompt.interp.new_journal = buf_text(&journal);

@@ -213,16 +213,14 @@ static enum err begin_session(struct server *s, const struct options *o, struct 
 {
     const char *first;
     bool resumes;
-    enum err err = begin_check(o, &first, &resumes, fault);
-    if (err)
-        return err;
+    TRY(begin_check(o, &first, &resumes, fault));
     const bool goes_on = o->journal && file_exists(o->journal);
     const char *journal = resumes ? first : goes_on ? o->journal : NULL;
     OWNED(buf_release) struct buf line = {0};
     struct options plain = *o;
     plain.journal = goes_on ? NULL : o->journal;
     begin_journal_name(name, first);
-    err = begin_by_options(&s->interp, &plain, fault);
+    enum err err = begin_by_options(&s->interp, &plain, fault);
     begin_to_wait(&s->interp);
     session_set_watch(s->interp.session, &s->watch);
     if (!o->journal && !resumes)

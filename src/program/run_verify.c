@@ -22,12 +22,10 @@ enum err run_replay(const struct options *o, struct fault *fault)
 {
     OWNED(buf_release) struct buf fresh = {0}, text = {0};
     struct options here = *o;
-    enum err err = o->out ? file_make_folder(o->out, fault) : folder_held(&fresh, NULL, fault);
-    if (err)
-        return err;
+    TRY(o->out ? file_make_folder(o->out, fault) : folder_held(&fresh, NULL, fault));
     here.out = o->out ? o->out : buf_text(&fresh);
     console_handle_interrupts();
-    err = begin_confined(o, o->word[0], here.out, fault);
+    enum err err = begin_confined(o, o->word[0], here.out, fault);
     if (!err) {
         OWNED(interpreter_release) struct interpreter interp;
         err = begin_by_options(&interp, &here, fault);
@@ -193,9 +191,7 @@ static enum err verify_journals(const struct options *o, const struct journal_li
     if (how.expect && journals->count != 1)
         return fault_set(fault, ERR_USAGE, "--expect: expected one journal, not %zu",
                          journals->count);
-    const enum err err = o->out ? file_make_folder(o->out, fault) : OK;
-    if (err)
-        return err;
+    TRY(o->out ? file_make_folder(o->out, fault) : OK);
     console_handle_interrupts();
     return verify_files(&how, &console_printer, fault);
 }
@@ -203,13 +199,13 @@ static enum err verify_journals(const struct options *o, const struct journal_li
 enum err run_verify(const struct options *o, struct fault *fault)
 {
     OWNED(journals_release) struct journal_list journals = {0};
-    enum err err = check_options(o, fault);
+    TRY(check_options(o, fault));
     /* In the order of the paths, those below a folder sorted by name. */
-    for (int i = 0; !err && i < o->words; i++)
-        err = (file_is_folder(o->word[i]) ? add_below : add_journal)(&journals, o->word[i], fault);
-    if (!err && o->shard)
-        err = shard_keep(&journals, o->shard, fault);
-    return err ? err : verify_journals(o, &journals, fault);
+    for (int i = 0; i < o->words; i++)
+        TRY((file_is_folder(o->word[i]) ? add_below : add_journal)(&journals, o->word[i], fault));
+    if (o->shard)
+        TRY(shard_keep(&journals, o->shard, fault));
+    return verify_journals(o, &journals, fault);
 }
 
 /* ---- the first record that differs ---- */
@@ -241,9 +237,7 @@ enum err run_reseal(const struct options *o, struct fault *fault)
 {
     OWNED(interpreter_release) struct interpreter interp;
     console_handle_interrupts();
-    const enum err err = begin_by_options(&interp, o, fault);
-    if (err)
-        return err;
+    TRY(begin_by_options(&interp, o, fault));
     return o->is_form
                ? reseal_edited(&interp, o->word[0], o->accept, &console_printer, fault)
                : reseal_accept(&interp, o->word[0], o->accept, o->only, &console_printer, fault);

@@ -320,15 +320,12 @@ enum err watched_draw(struct watched *w, size_t step, struct fault *fault)
 enum err watched_carry_out(struct watched *w, size_t step, struct fault *fault)
 {
     const bool is_drawn = w->is_drawn && w->at == step;
-    enum err err = is_drawn ? OK : watched_draw(w, step, fault);
-    if (err || !step)
-        return err;
+    TRY(is_drawn ? OK : watched_draw(w, step, fault));
+    if (!step)
+        return OK;
     const struct outlook outlook = outlook_of(w, step, false);
-    err = keep_former(w, fault);
-    if (!err)
-        err = go_to(w, (uint32_t)step, &outlook, NULL, fault);
-    if (err)
-        return err;
+    TRY(keep_former(w, fault));
+    TRY(go_to(w, (uint32_t)step, &outlook, NULL, fault));
     count_changes(w);
     w->is_drawn = false;
     return OK;
@@ -468,13 +465,12 @@ static enum err step_line(struct watching *w, const char *at, struct buf *output
     /* A drawn step counts as the first of `step on N`. */
     const bool carries_out = is_on && w->watched.is_drawn;
     const size_t to = is_to ? by : is_on ? from + by - carries_out : from > by ? from - by : 0;
-    const enum err err = is_back || (carries_out && by == 1)
-                             ? watched_carry_out(&w->watched, to, fault)
-                         : to > w->last ? show_end(w, fault)
-                                        : watched_draw(&w->watched, to, fault);
-    if (!err && was_over && !is_on)
+    TRY(is_back || (carries_out && by == 1) ? watched_carry_out(&w->watched, to, fault)
+        : to > w->last                      ? show_end(w, fault)
+                                            : watched_draw(&w->watched, to, fault));
+    if (was_over && !is_on)
         w->is_over = false;
-    return err;
+    return OK;
 }
 
 /* ---- the pilot's host ---- */
@@ -599,10 +595,8 @@ enum err run_watch(const struct options *o, struct fault *fault)
     if (!config.setup.theme->has_colours)
         setenv("NO_COLOR", "1", 1);
     console_handle_interrupts();
-    enum err err = begin_confined(o, o->word[0], NULL, fault);
-    if (err)
-        return err;
+    TRY(begin_confined(o, o->word[0], NULL, fault));
     OWNED(interpreter_release) struct interpreter interp;
-    err = begin_by_options(&interp, o, fault);
-    return err ? err : watch_at_terminal(o, &interp, &config, fault);
+    TRY(begin_by_options(&interp, o, fault));
+    return watch_at_terminal(o, &interp, &config, fault);
 }

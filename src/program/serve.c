@@ -227,10 +227,9 @@ enum err picture_write(struct buf *path, const struct exchange *exchange, uint32
                        uint32_t height, const uint8_t *rgba, struct fault *fault)
 {
     OWNED(buf_release) struct buf png = {0};
-    enum err err = place_file(path, exchange, "picture.png", fault);
-    if (!err)
-        err = png_encode(&png, width, height, rgba, fault);
-    return err ? err : file_write(buf_text(path), png.data, png.length, FILE_REPLACE, fault);
+    TRY(place_file(path, exchange, "picture.png", fault));
+    TRY(png_encode(&png, width, height, rgba, fault));
+    return file_write(buf_text(path), png.data, png.length, FILE_REPLACE, fault);
 }
 
 /* ---- state ---- */

@@ -162,12 +162,11 @@ static enum err find_distances(int64_t *out, const struct filling *f, struct gap
             gap->inside[i] = is_in ? 0 : DISTANCE_NONE;
             gap->outside[i] = in_scene && !is_in ? 0 : DISTANCE_NONE;
         }
-    enum err err = distance_spread(gap->inside, gap->size, &scale, f->team, f->watch, f->fault);
-    if (!err)
-        err = distance_spread(gap->outside, gap->size, &scale, f->team, f->watch, f->fault);
-    for (i = 0; !err && i < places; i++)
+    TRY(distance_spread(gap->inside, gap->size, &scale, f->team, f->watch, f->fault));
+    TRY(distance_spread(gap->outside, gap->size, &scale, f->team, f->watch, f->fault));
+    for (i = 0; i < places; i++)
         out[i] = gap->inside[i] ? -sixteenths(gap->inside[i]) : sixteenths(gap->outside[i]);
-    return err;
+    return OK;
 }
 
 /* Four times the signed distance at a place in half voxels of the box. */

@@ -175,9 +175,7 @@ enum err contour_of_label(struct polyline *contour, const struct labels *labels,
 {
     const struct grid *grid = &labels->scene->grid;
     OWNED(area_release) struct area area = {0};
-    const enum err err = area_init(&area, grid, axis, place[axis], fault);
-    if (err)
-        return err;
+    TRY(area_init(&area, grid, axis, place[axis], fault));
     for (uint32_t row = 0, p[3]; row < area.height; row++)
         for (uint32_t column = 0; column < area.width; column++) {
             find_place(&area, column, row, p);
@@ -230,9 +228,7 @@ enum err contour_of_marker(struct polyline *contour, const struct grid *grid,
     OWNED(area_release) struct area area = {0};
     if (axis == 3)
         return OK;
-    const enum err err = area_init(&area, grid, axis, first[axis], fault);
-    if (err)
-        return err;
+    TRY(area_init(&area, grid, axis, first[axis], fault));
     for (size_t i = 0; i < marker->voxels; i++) {
         grid_find(grid, markers->cover[marker->first + i].cell, place);
         area.piece[place_of(&area, place)] = ASKED;

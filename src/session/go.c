@@ -239,12 +239,10 @@ static enum err recompute_stale(struct session *session, const struct edit *seed
         err = recompute_part(session, MADE_ROI, apply_region, fault);
     if (err || session->skims)
         return err;
-    err = recompute_part(session, MADE_WEIGHTS, compute_weights, fault);
-    if (!err)
-        err = recompute_part(session, MADE_FOREST, recompute_forest, fault);
-    if (!err)
-        err = recompute_part(session, MADE_BORDER, count_border, fault);
-    return err ? err : watch_fault(session->watch, fault);
+    TRY(recompute_part(session, MADE_WEIGHTS, compute_weights, fault));
+    TRY(recompute_part(session, MADE_FOREST, recompute_forest, fault));
+    TRY(recompute_part(session, MADE_BORDER, count_border, fault));
+    return watch_fault(session->watch, fault);
 }
 
 /* Reserve memory before the first change. */
@@ -363,10 +361,8 @@ enum err session_set_weight_map(struct session *session, const char *name, const
 {
     struct state next = session->now;
     OWNED(packed_release) struct packed *map = NULL;
-    const enum err err = packed_new(&map, weight, session->scene->grid.voxels * sizeof *weight,
-                                    session->watch, fault);
-    if (err)
-        return err;
+    TRY(packed_new(&map, weight, session->scene->grid.voxels * sizeof *weight, session->watch,
+                   fault));
     next.kept.weight = (struct weight_choice){.kind = WEIGHT_FILE};
     next.kept.weight_map = map;
     set_words(next.kept.weight_file, name);
@@ -401,14 +397,10 @@ static enum err check_region(const struct session *session, const struct roi *ro
                              struct fault *fault)
 {
     size_t waiting = 0;
-    enum err err = count_waiting(roi, session->scene, edits_first(&session->now.lists.pending),
-                                 session_pendings(session), &waiting, fault);
-    if (err)
-        return err;
+    TRY(count_waiting(roi, session->scene, edits_first(&session->now.lists.pending),
+                      session_pendings(session), &waiting, fault));
     const struct roi_tally tally = roi_tally(roi, session->scene);
-    err = watch_fault(session->scene->watch, fault);
-    if (err)
-        return err;
+    TRY(watch_fault(session->scene->watch, fault));
     if (!tally.inside)
         return fault_set(fault, ERR_INPUT,
                          "no voxel of the scene would be inside; nothing has changed");
@@ -426,14 +418,12 @@ enum err session_set_mask(struct session *session, const uint64_t *mask, const c
     const struct roi roi = {mask, session->roi.low, session->roi.high};
     struct state next = session->now;
     OWNED(packed_release) struct packed *packed = NULL, *packed_rest = NULL;
-    enum err err = check_region(session, &roi, fault);
-    if (!err && mask)
-        err = packed_new(&packed, mask, mask_bytes(&session->scene->grid), session->watch, fault);
-    if (!err && rest)
-        err = packed_new(&packed_rest, rest, session->scene->grid.voxels * sizeof *rest,
-                         session->watch, fault);
-    if (err)
-        return err;
+    TRY(check_region(session, &roi, fault));
+    if (mask)
+        TRY(packed_new(&packed, mask, mask_bytes(&session->scene->grid), session->watch, fault));
+    if (rest)
+        TRY(packed_new(&packed_rest, rest, session->scene->grid.voxels * sizeof *rest,
+                       session->watch, fault));
     next.kept.mask = packed;
     next.kept.rest = packed_rest;
     set_words(next.kept.mask_file, mask ? name : "");
@@ -458,9 +448,7 @@ enum err session_set_range(struct session *session, const struct decimal range[2
     struct state next = session->now;
     if (range)
         roi_range(&roi, &session->geometry, session->levels, range);
-    enum err err = check_region(session, &roi, fault);
-    if (err)
-        return err;
+    TRY(check_region(session, &roi, fault));
     next.kept.has_range = range != NULL;
     for (int i = 0; i < 2; i++)
         next.kept.range[i] = range ? range[i] : (struct decimal){0, 0, 0};

@@ -359,14 +359,13 @@ static enum err choose_voxels(struct volume_reader *reader, const struct map_pla
     struct volume_choice choice = place->choice;
     choice.nearest = choice.by_extremes = true;
     struct regrid_order order;
-    enum err err = OK;
     if (part && !is_shifted && same_size(size, part->size) &&
         regrid_check(header->size, &header->geometry, size, place->geometry, false, NULL) &&
         find_order(&order, place, header))
-        err = choose_part(&choice, part, &order, fault);
+        TRY(choose_part(&choice, part, &order, fault));
     const uint64_t voxels = (uint64_t)size[0] * size[1] * size[2]; /* the scene needs more memory */
     choice.huge = (uint64_t)header->size[0] * header->size[1] * header->size[2] == voxels;
-    return err ? err : volume_choose(reader, &choice, fault);
+    return volume_choose(reader, &choice, fault);
 }
 
 static enum err check_grid(const struct map_place *place, const struct volume_header *header,
@@ -391,7 +390,7 @@ static enum err check_grid(const struct map_place *place, const struct volume_he
 
 static enum err prefix_file(const char *path, enum err err, struct fault *fault)
 {
-    return err ? fault_prefix(fault, err, "%s", file_name(path)) : OK;
+    return fault_prefix(fault, err, "%s", file_name(path));
 }
 
 enum err map_read(struct volume *map, const char *path, const struct map_place *place,
@@ -520,8 +519,8 @@ static enum err convert(struct volume *map, uint32_t first, uint32_t last, uint3
         is_wide |= is_in && n > REGION_MOST && beyond != ODD;
         table[i] = !is_whole ? (uint32_t)ODD : is_in && n < ODD ? (uint32_t)n : beyond;
     }
-    const enum err err = is_wide ? rank_numbers(table, map, first, last, fault) : OK;
-    return err ? err : translate(map, table, holds, watch, fault);
+    TRY(is_wide ? rank_numbers(table, map, first, last, fault) : OK);
+    return translate(map, table, holds, watch, fault);
 }
 
 enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct watch *watch,
@@ -584,9 +583,7 @@ enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_lab
 {
     const size_t voxels = (size_t)map->size[0] * map->size[1] * map->size[2];
     *label = NULL;
-    const enum err err = map_label(map, choice, watch, fault);
-    if (err)
-        return err;
+    TRY(map_label(map, choice, watch, fault));
     uint8_t *made = *label = mem_array(voxels, 1);
     if (!made)
         return fault_memory(fault, "a map");

@@ -91,9 +91,7 @@ enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cel
 {
     const size_t first = markers->covers;
     struct task task = task_begin(watch, "markers", count);
-    enum err err = reserve_covers(markers, count, &task, fault);
-    if (err)
-        return err;
+    TRY(reserve_covers(markers, count, &task, fault));
     if (!mem_grow(&markers->marker, &markers->capacity, markers->count + 1,
                   sizeof *markers->marker))
         return fault_memory(fault, "a marker");
@@ -103,7 +101,7 @@ enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cel
                                                         .label = label};
     for (size_t i = 0; i < count && task_advance(&task, 1); i++)
         add_cover(markers, cell[i], 0, false);
-    err = watch_fault(watch, fault);
+    enum err err = watch_fault(watch, fault);
     if (err)
         markers_drop(markers, markers->count - 1, watch);
     return err;
@@ -249,9 +247,7 @@ static enum err cover_once(struct markers *markers, uint32_t number, struct free
         return OK;
     if (has_bit(freed->covered, bit) || !has_cell(markers, markers->marker + number - 1, cell))
         return OK;
-    const enum err err = reserve_covers(markers, 1, task, fault);
-    if (err)
-        return err;
+    TRY(reserve_covers(markers, 1, task, fault));
     freed->covered[bit >> 6] |= UINT64_C(1) << (bit & 63);
     add_cover(markers, cell, number, is_beside);
     markers->marker[markers->count - 1].frees++;
@@ -266,13 +262,13 @@ static enum err free_one(struct markers *markers, uint32_t number, struct freed 
 {
     if (!has_cell(markers, markers->marker + number - 1, cell))
         return OK;
-    enum err err = cover_once(markers, number, freed, cell, task, fault);
-    for (unsigned k = 0; !err && k < around->count; k++) {
+    TRY(cover_once(markers, number, freed, cell, task, fault));
+    for (unsigned k = 0; k < around->count; k++) {
         const uint32_t beside = (uint32_t)(cell + around->offset[k]);
         if (!has_bit(freed->within, bit_of(freed, beside)))
-            err = cover_once(markers, number, freed, beside, task, fault);
+            TRY(cover_once(markers, number, freed, beside, task, fault));
     }
-    return err;
+    return OK;
 }
 
 /* True if a marker is a piece with voxels near the freed ones. */

@@ -328,11 +328,8 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
     if (!doubled)
         return OK;
     scene_interpolated_size(size, session->scene->grid.size, doubled);
-    enum err err = check_memory(size, "nothing has changed", session->watch, fault);
-    if (!err)
-        err = replace_scene(session, doubled, fault);
-    if (err)
-        return err;
+    TRY(check_memory(size, "nothing has changed", session->watch, fault));
+    TRY(replace_scene(session, doubled, fault));
     static const double first[3] = {0, 0, 0};
     const double step[3] = {doubled & 1 ? 0.5 : 1, doubled & 2 ? 0.5 : 1, doubled & 4 ? 0.5 : 1};
     (void)geometry_derive(&session->said, first, step); /* half of 1 nm is 1 nm */

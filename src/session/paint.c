@@ -349,9 +349,7 @@ enum err paint_ring(struct voxels *out, const struct grid *grid, const struct vo
     struct task task = task_begin(watch, "a ring", 0);
     OWNED(brush_release) struct brush brush = {0};
     struct sheet sheet;
-    enum err err = brush_init(&brush, (uint32_t[]){1, 1, 1}, width, BRUSH_REACH_MOST, fault);
-    if (err)
-        return err;
+    TRY(brush_init(&brush, (uint32_t[]){1, 1, 1}, width, BRUSH_REACH_MOST, fault));
     brush.reach[common_axis(corner, corners)] = 0; /* the sheet is one slice */
     const bool fits = sheet_init(&sheet, grid, &brush, corner, corners);
     for (size_t i = 0; fits && i < inside->count && task_advance(&task, brush.rows); i++) {
@@ -364,8 +362,8 @@ enum err paint_ring(struct voxels *out, const struct grid *grid, const struct vo
         const size_t at = (z * sheet.size[1] + y) * sheet.size[0] + x;
         sheet.bit[at >> 6] &= ~(UINT64_C(1) << (at & 63));
     }
-    err = outcome(out, fits && (watch_fault(watch, NULL) || collect_cells(out, &sheet, grid)),
-                  watch, fault);
+    enum err err = outcome(
+        out, fits && (watch_fault(watch, NULL) || collect_cells(out, &sheet, grid)), watch, fault);
     free(sheet.bit);
     return err;
 }

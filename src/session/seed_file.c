@@ -215,9 +215,8 @@ static enum err read_rows(struct list *list, const char *text, const char *end, 
 {
     struct task task = task_begin(list->watch, "reading seeds", (uint64_t)(end - text));
     bool may_be_header = true;
-    enum err err = OK;
     scan_text(&text, "\xef\xbb\xbf"); /* byte order mark, as spreadsheets write it */
-    for (uint32_t line = 1; !err && text < end; line++) {
+    for (uint32_t line = 1; text < end; line++) {
         const char *stop = memchr(text, '\n', (size_t)(end - text));
         stop = stop ? stop : end;
         const char *at = text, *last = stop;
@@ -229,10 +228,10 @@ static enum err read_rows(struct list *list, const char *text, const char *end, 
         if (at == last || *at == '#')
             continue;
         if (!may_be_header || !is_header(at, last))
-            err = read_row(list, at, last, line, fault);
+            TRY(read_row(list, at, last, line, fault));
         may_be_header = false;
     }
-    return err;
+    return OK;
 }
 
 /* ---- markers with a reach ---- */
@@ -315,16 +314,14 @@ static enum err settle_rows(struct seeds *seeds, struct list *list, struct fault
     if (list->rows == 0)
         return fault_set(fault, ERR_INPUT,
                          "there is no seed in it; expected lines x,y,z,label; nothing was planted");
-    enum err err = group_rows(seeds, list, fault);
-    if (err)
-        return err;
+    TRY(group_rows(seeds, list, fault));
     OWNED(mem_release) uint64_t *order = mem_array(list->rows, sizeof *order);
     if (!order || !reserve_seeds(seeds, list->rows))
         return fault_memory(fault, "a list of seeds");
     for (size_t i = 0; i < list->rows; i++)
         order[i] = (uint64_t)list->row[i].cell << 32 | i;
-    err = sort_by_upper_half(order, list->rows, list->watch, fault);
-    return err ? err : add_rows(seeds, list, order, fault);
+    TRY(sort_by_upper_half(order, list->rows, list->watch, fault));
+    return add_rows(seeds, list, order, fault);
 }
 
 enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
@@ -682,14 +679,10 @@ static enum err make_pieces(struct piece_seeds *seeds, struct work *w, const uin
 {
     w->label = mem_array(w->grid->cells, 1);
     w->depth = mem_array(w->grid->cells, 1);
-    enum err err = w->label && w->depth ? take_labels(w, region, fault)
-                                        : fault_memory(fault, "the pieces of a label map");
-    if (!err)
-        err = components_find(&w->found, w->grid, w->label, w->watch, fault);
-    if (!err)
-        err = find_depths(w, fault);
-    if (err)
-        return err;
+    TRY(w->label && w->depth ? take_labels(w, region, fault)
+                             : fault_memory(fault, "the pieces of a label map"));
+    TRY(components_find(&w->found, w->grid, w->label, w->watch, fault));
+    TRY(find_depths(w, fault));
     w->least = mem_array(w->found.count, 1);
     if (!w->least)
         return fault_memory(fault, "the pieces of a label map");

@@ -45,11 +45,10 @@ enum err session_plant(struct session *session, const uint32_t *cell, size_t cou
                        uint16_t reach, struct fault *fault)
 {
     struct task task = task_begin(session->watch, "edits", count);
-    enum err err = markers_add(&session->markers, label, cell, count, session->watch, fault);
-    if (err)
-        return err;
+    TRY(markers_add(&session->markers, label, cell, count, session->watch, fault));
     const size_t number = session->markers.count;
-    err = edits_go_on(&session->now.lists.markers, (struct edit){(uint32_t)number, 1, 0}, fault);
+    enum err err =
+        edits_go_on(&session->now.lists.markers, (struct edit){(uint32_t)number, 1, 0}, fault);
     session->markers.marker[number - 1].reach = reach;
     session->markers.marker[number - 1].is_exact = forest_is_exact(session->forest, reach);
     session->markers.marker[number - 1].is_valid = err == OK;
@@ -71,15 +70,15 @@ enum err session_free_voxels(struct session *session, const uint32_t *cell, size
     size_t i = markers->covers;
     struct adjacency around;
     adjacency_init(&around, 26, &session->scene->grid);
-    enum err err = markers_free(&session->markers, session->scene->cell, &around, cell, count,
-                                session->watch, fault);
+    TRY(markers_free(&session->markers, session->scene->cell, &around, cell, count, session->watch,
+                     fault));
     struct task task = task_begin(session->watch, "edits", markers->covers - i);
-    for (; !err && i < markers->covers && task_advance(&task, 1); i++) {
+    for (; i < markers->covers && task_advance(&task, 1); i++) {
         const uint32_t changed = markers->cover[i].cell;
         if (markers_can_plant(markers, changed))
-            err = add_pending(session, markers_edit(markers, changed), fault);
+            TRY(add_pending(session, markers_edit(markers, changed), fault));
     }
-    return err ? err : watch_fault(session->watch, fault);
+    return watch_fault(session->watch, fault);
 }
 
 void session_join(struct session *session)
@@ -126,14 +125,13 @@ enum err session_remove_markers(struct session *session, const uint32_t *number,
                                 struct fault *fault)
 {
     const struct markers *markers = &session->markers;
-    enum err err = OK;
-    for (size_t i = 0; !err && i < count; i++)
+    for (size_t i = 0; i < count; i++)
         if (!is_removable(markers, number[i]))
-            err = fault_set(fault, ERR_CHECK, "there is no valid marker %u", number[i]);
+            return fault_set(fault, ERR_CHECK, "there is no valid marker %u", number[i]);
         else
-            for (uint32_t n = number[i]; !err && n; n = markers_next(markers, n))
-                err = remove_marker(session, n, fault);
-    return err;
+            for (uint32_t n = number[i]; n; n = markers_next(markers, n))
+                TRY(remove_marker(session, n, fault));
+    return OK;
 }
 
 /* Find the cells of pending seeds, sorted in the upper halves of numbers, so that a ball of
@@ -171,9 +169,7 @@ static enum err report_no_tree(const struct session *session, struct fault *faul
 {
     OWNED(mem_release) uint64_t *waiting = NULL;
     size_t count;
-    const enum err err = find_waiting(&waiting, &count, session, fault);
-    if (err)
-        return err;
+    TRY(find_waiting(&waiting, &count, session, fault));
     if (forest_seeds(session->forest) == 0 && count > 0)
         return fault_set(fault, ERR_INPUT,
                          "no tree holds this voxel yet: seeds wait for `run`; nothing has changed");
@@ -269,12 +265,12 @@ enum err session_erase_seeds(struct session *session, const uint32_t *seed, size
 {
     OWNED(mem_release) uint64_t *waiting = NULL;
     size_t waits;
-    const enum err err = find_waiting(&waiting, &waits, session, fault);
-    for (size_t i = 0; !err && i < count; i++)
+    TRY(find_waiting(&waiting, &waits, session, fault));
+    for (size_t i = 0; i < count; i++)
         if (!(session->scene->cell[seed[i]].flags & CELL_SEED) &&
             !seed_waits(waiting, waits, seed[i]))
             return fault_set(fault, ERR_CHECK, "no seed is planted where one was taken away");
-    return err ? err : session_plant(session, seed, count, EDIT_ERASE, 0, fault);
+    return session_plant(session, seed, count, EDIT_ERASE, 0, fault);
 }
 
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault)

@@ -89,14 +89,10 @@ static enum err make_finished(struct session *session, struct fault *fault)
     OWNED(finished_release)
     struct finished made = {.cells = session->scene->grid.cells,
                             .of = session_finish_source(session)};
-    enum err err = finish_make(&made.label, &session->now.kept.finish, session->scene,
-                               session->team, &session->inside->relaxed, fault);
-    if (err)
-        return err;
+    TRY(finish_make(&made.label, &session->now.kept.finish, session->scene, session->team,
+                    &session->inside->relaxed, fault));
     made.digest = labels_digest(&(struct labels){session->scene, made.label}, session->team);
-    err = watch_fault(session->scene->watch, fault);
-    if (err)
-        return err;
+    TRY(watch_fault(session->scene->watch, fault));
     const struct finished former = *kept;
     *kept = made;
     made = former;
@@ -167,16 +163,16 @@ static enum err put_worst_first(struct hint_list *hints, struct session *session
 {
     unsigned worst;
     double share;
-    const enum err err = session_find_worst(session, &worst, &share, fault);
+    TRY(session_find_worst(session, &worst, &share, fault));
     size_t first = 0;
-    for (size_t i = 0; !err && worst && i < hints->count; i++) {
+    for (size_t i = 0; worst && i < hints->count; i++) {
         const struct hint hint = hints->item[i];
         if (hint.label != worst && hint.other != worst)
             continue;
         memmove(hints->item + first + 1, hints->item + first, (i - first) * sizeof hint);
         hints->item[first++] = hint;
     }
-    return err;
+    return OK;
 }
 
 /* ---- hints ---- */

@@ -56,11 +56,8 @@ enum err packed_new(struct packed **out, const void *bytes, size_t length, struc
     packed->holders = 1;
     packed->length = length;
     packed->bytes = mem_array(room, 1);
-    const enum err err = packed->bytes && deflate_all(packed, bytes, room, watch)
-                             ? watch_fault(watch, fault)
-                             : fault_memory(fault, "a map");
-    if (err)
-        return err;
+    TRY(packed->bytes && deflate_all(packed, bytes, room, watch) ? watch_fault(watch, fault)
+                                                                 : fault_memory(fault, "a map"));
     unsigned char *exact = realloc(packed->bytes, packed->packed_length);
     packed->bytes = exact ? exact : packed->bytes;
     *out = packed_hold(packed);

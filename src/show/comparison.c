@@ -319,17 +319,17 @@ enum err comparison_make(struct comparison *comparison, const struct compared *c
     struct box box[256];
     unsigned only = 0;
     *comparison = (struct comparison){.of = compared};
-    enum err err = look_through(&comparison->overlap, box, compared, watch, fault);
-    for (unsigned label = 1; label < 256 && !err; label++)
+    TRY(look_through(&comparison->overlap, box, compared, watch, fault));
+    for (unsigned label = 1; label < 256; label++)
         if (comparison_has(comparison, label)) {
             comparison->labels++;
             only = label;
-            err = measure_label(comparison, work, &box[label], label, fault);
+            TRY(measure_label(comparison, work, &box[label], label, fault));
         }
-    if (comparison->labels > 1 && !err)
+    if (comparison->labels > 1)
         return measure_label(comparison, work, &box[0], 0, fault);
     comparison->distance[0] = comparison->distance[only];
-    return err;
+    return OK;
 }
 
 /* ---- classes ---- */
@@ -344,12 +344,10 @@ enum err comparison_classify(uint8_t *class, const struct grid *grid,
     struct overlap overlap = {0};
     struct box box[256];
     size_t voxel = 0;
-    enum err err = look_through(&overlap, box, compared, watch, fault);
-    if (!err)
-        err = work_init(&w, &box[0], 0, fault);
-    if (!err)
-        err = spread_from(&w, IN_B, fault);
-    for (uint32_t z = 0; z < w.box.size[2] && !err; z++)
+    TRY(look_through(&overlap, box, compared, watch, fault));
+    TRY(work_init(&w, &box[0], 0, fault));
+    TRY(spread_from(&w, IN_B, fault));
+    for (uint32_t z = 0; z < w.box.size[2]; z++)
         for (uint32_t y = 0; y < w.box.size[1]; y++) {
             uint8_t *row = class + grid_cell(grid, w.first[0], w.first[1] + y, w.first[2] + z);
             for (uint32_t x = 0; x < w.box.size[0]; x++, voxel++) {
@@ -361,7 +359,7 @@ enum err comparison_classify(uint8_t *class, const struct grid *grid,
                 row[x] = (uint8_t)(COMPARISON_CLASS_ON + (w.set[voxel] & IN_B ? -steps : steps));
             }
         }
-    return err;
+    return OK;
 }
 
 /* ---- figures of a label ---- */

@@ -59,17 +59,12 @@ static enum err fit_view(struct state *state, struct session *session, uint8_t *
     OWNED(border_release) struct border border = {0};
     OWNED(fit_release) struct fit fit = {0};
     uint32_t place[3];
-    enum err err = comparison_classify(class, &classes.scene->grid, compared, 1, session->team,
-                                       session->watch, fault);
-    if (!err)
-        err = border_init(&border, session->scene, fault);
-    if (err)
-        return err;
+    TRY(comparison_classify(class, &classes.scene->grid, compared, 1, session->team, session->watch,
+                            fault));
+    TRY(border_init(&border, session->scene, fault));
     border.labels = classes;
     border_recount(&border);
-    err = fit_init(&fit, &border, fault);
-    if (err)
-        return err;
+    TRY(fit_init(&fit, &border, fault));
     fit_place(&fit, view, place);
     view->zoom = fit_zoom(&fit, view, place, state->outlook.look.samples);
     view_focus_on(view, session->scene, place);
@@ -110,12 +105,9 @@ static enum err render_classes(uint8_t *class, double *most_mm, struct session *
     const struct labels classes = {session->scene, class};
     *most_mm = round_up(compared, farthest_mm);
     for (int pass = 0; pass < 2; pass++) {
-        enum err err = comparison_classify(class, &classes.scene->grid, compared, *most_mm,
-                                           session->team, session->watch, fault);
-        if (!err)
-            err = session_draw_labels(session, &classes, RENDER_ONCE, fault);
-        if (err)
-            return err;
+        TRY(comparison_classify(class, &classes.scene->grid, compared, *most_mm, session->team,
+                                session->watch, fault));
+        TRY(session_draw_labels(session, &classes, RENDER_ONCE, fault));
         if (pass == 0)
             *most_mm = round_up(compared, *most_mm * steps_seen(session_frame(session)) / STEPS);
     }
@@ -178,9 +170,7 @@ static enum err take_picture(struct picture *picture, struct session *session,
 {
     const bool has_more = report->comparison->distance[0].most_mm > most_mm;
     struct canvas canvas;
-    enum err err = session_show_frame(&canvas, session, fault);
-    if (err)
-        return err;
+    TRY(session_show_frame(&canvas, session, fault));
     *picture =
         (struct picture){.width = canvas.width, .height = canvas.height, .rgba = canvas.rgba};
     const char *unit = report->geometry->spacing_unknown ? "voxels" : "mm";
@@ -189,8 +179,8 @@ static enum err take_picture(struct picture *picture, struct session *session,
     write_names(&canvas, report);
     snprintf(words, sizeof words, "of A's surface from B's, -%g %s inside to %g %s outside",
              most_mm, unit, most_mm, unit);
-    err = export_notes(picture, session, NULL, fault);
-    return err ? err : picture_note(picture, "iftty:distance", words, fault);
+    TRY(export_notes(picture, session, NULL, fault));
+    return picture_note(picture, "iftty:distance", words, fault);
 }
 
 enum err distance_picture_draw(struct picture *picture, struct session *session,
@@ -354,17 +344,14 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
                                  struct fault *fault)
 {
     const struct view *view = &session->now.outlook.view;
-    enum err err = slicing_check_size(view, fault);
-    if (!err)
-        err = picture_init(picture, view->width, view->height, 0, fault);
-    if (err)
-        return err;
+    TRY(slicing_check_size(view, fault));
+    TRY(picture_init(picture, view->width, view->height, 0, fault));
     const struct canvas canvas = {
         .width = view->width, .height = view->height, .stride = view->width, .rgba = picture->rgba};
     OWNED(mem_release)
     uint8_t *difference = differences_of(report->comparison->of, &session->scene->grid);
-    err = difference ? draw_slices(&canvas, session, difference, place, fault)
-                     : fault_memory(fault, "a picture");
+    enum err err = difference ? draw_slices(&canvas, session, difference, place, fault)
+                              : fault_memory(fault, "a picture");
     if (!err) {
         OWNED(buf_release) struct buf words = {0};
         write_report(&canvas, report);

@@ -24,13 +24,13 @@ _Static_assert(sizeof((struct legend_line *)0)->name == LABEL_NAME_BYTES, "a nam
 static enum err list_labels(struct legend_line line[255], size_t *lines, struct session *session,
                             const struct labels *labels, struct fault *fault)
 {
-    enum err err = session_count_labels(session, fault);
+    TRY(session_count_labels(session, fault));
     struct tally shown = session->tally;
     if (labels->finished)
         tally_forget(&shown);
-    if (!err && !tally_refresh(&shown, labels, session->team))
-        err = watch_fault(session->scene->watch, fault);
-    for (unsigned label = 1; label < 256 && !err; label++) {
+    if (!tally_refresh(&shown, labels, session->team))
+        TRY(watch_fault(session->scene->watch, fault));
+    for (unsigned label = 1; label < 256; label++) {
         if (!shown.voxels[label] || !session->now.kept.visible[label])
             continue;
         struct legend_line *next = &line[(*lines)++];
@@ -45,7 +45,7 @@ static enum err list_labels(struct legend_line line[255], size_t *lines, struct 
         label_report_write_extent(&words, session, shown.voxels[label]);
         snprintf(next->amount, 32, "%s", words.failed ? "" : buf_text(&words));
     }
-    return err;
+    return OK;
 }
 
 /* ---- the picture ---- */
@@ -70,9 +70,7 @@ enum err session_show_frame(struct canvas *canvas, const struct session *session
 {
     const struct rendition r = session_picture(session);
     const uint32_t background = background_opaque(session->now.outlook.background);
-    const enum err err = canvas_init(canvas, r.width, r.height, 0, fault);
-    if (err)
-        return err;
+    TRY(canvas_init(canvas, r.width, r.height, 0, fault));
     memcpy(canvas->rgba, r.rgba, (size_t)4 * r.width * r.height);
     background_put(canvas->rgba, r.width, r.height, background);
     return OK;
@@ -133,9 +131,7 @@ enum err session_decorate(struct session *session, const struct labels *labels, 
     struct pictures *p;
     if (!session->now.outlook.decorations || session->skims)
         return OK;
-    enum err err = pictures_begin(&p, session, fault);
-    if (err)
-        return err;
+    TRY(pictures_begin(&p, session, fault));
     const size_t pixels = pixels_of(session);
     if (p->decorated_pixels != pixels) {
         free(p->decorated);
@@ -150,12 +146,10 @@ enum err session_decorate(struct session *session, const struct labels *labels, 
                                   .stride = frame->width,
                                   .rgba = p->decorated};
     struct decorating *d;
-    err = decorating_begin(&d, session, labels, fault);
-    if (err)
-        return err;
+    TRY(decorating_begin(&d, session, labels, fault));
     d->of.frame = frame;
     d->camera = p->camera;
-    err = decoration_draw(&canvas, &d->of, fault);
+    enum err err = decoration_draw(&canvas, &d->of, fault);
     decorating_end(d);
     canvas_lay_over(p->decorated, frame->rgba, pixels);
     return err;

@@ -191,10 +191,9 @@ static enum err take_view(struct pictures *p, const struct view *view, struct fa
         memcmp(now->focus, view->focus, sizeof now->focus) == 0)
         return OK;
     outlook.view = *view;
-    const enum err err = session_aim(p->session, &outlook, &camera, fault);
-    if (!err)
-        take_camera(p, &camera);
-    return err;
+    TRY(session_aim(p->session, &outlook, &camera, fault));
+    take_camera(p, &camera);
+    return OK;
 }
 
 /* ---- the context ---- */
@@ -218,10 +217,8 @@ static enum err draw_context(struct pictures *p, struct fault *fault)
     view.height /= samples;
     view.zoom /= samples;
     window_of(source.window, session);
-    enum err err = camera_init(&camera, session->scene, &view, fault);
-    if (!err)
-        err = mip_draw(&p->context.mip, &source, &camera, session->team, fault);
-    return err;
+    TRY(camera_init(&camera, session->scene, &view, fault));
+    return mip_draw(&p->context.mip, &source, &camera, session->team, fault);
 }
 
 /* Put the context behind a new rendition. Does nothing if the outlook has none. */
@@ -231,9 +228,7 @@ static enum err put_context(struct pictures *p, struct fault *fault)
     const struct rendition *rendered = objects_of(p);
     if (p->session->now.outlook.context == CONTEXT_NONE)
         return OK;
-    const enum err err = draw_context(p, fault);
-    if (err)
-        return err;
+    TRY(draw_context(p, fault));
     uint8_t *rgba = context->frame.rgba;
     if (context->frame.width != rendered->width || context->frame.height != rendered->height) {
         forget_context(context);
@@ -262,11 +257,11 @@ static enum err shade_rendition(struct pictures *p, struct fault *fault)
 {
     const struct look *look = look_of(p);
     prepare_shader(p);
-    const enum err err = shade(&p->rendition, &p->camera, &p->mesh, &p->session->now.kept.palette,
-                               look, &p->shader, fault);
-    if (!err && look->samples > 1)
+    TRY(shade(&p->rendition, &p->camera, &p->mesh, &p->session->now.kept.palette, look, &p->shader,
+              fault));
+    if (look->samples > 1)
         rendition_reduce(&p->reduced, &p->rendition, look->samples, p->session->team);
-    return err;
+    return OK;
 }
 
 static enum err make_rendition(struct pictures *p, struct rendition *rendition,
@@ -316,9 +311,7 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
         return err;
     const uint64_t begin_ns = clock_ns();
     if (!p->take && p->rendition.depth) {
-        err = layers_attach(&p->layers, &p->rendition, border, fault);
-        if (err)
-            return err;
+        TRY(layers_attach(&p->layers, &p->rendition, border, fault));
         if (project == project_border)
             project_border_shared(&p->rendition, &p->camera, &p->mesh, team);
         else
@@ -372,15 +365,12 @@ static enum err draw_coarse(struct pictures *p, const struct view *view,
     outlook.view.zoom /= COARSE;
     outlook.look.samples = 1;
     outlook.look.edges = 0;
-    enum err err = session_aim(p->session, &outlook, &camera, fault);
+    TRY(session_aim(p->session, &outlook, &camera, fault));
     if (!has_size(&coarse->rendition, outlook.view.width, outlook.view.height))
         forget_coarse(coarse);
-    if (!err && !coarse->rendition.depth)
-        err = rendition_init(&coarse->rendition, outlook.view.width, outlook.view.height, fault);
-    if (!err)
-        err = layers_attach(&coarse->layers, &coarse->rendition, border, fault);
-    if (err)
-        return err;
+    if (!coarse->rendition.depth)
+        TRY(rendition_init(&coarse->rendition, outlook.view.width, outlook.view.height, fault));
+    TRY(layers_attach(&coarse->layers, &coarse->rendition, border, fault));
     project_border_shared(&coarse->rendition, &camera, &p->mesh, p->session->team);
     prepare_shader(p);
     return shade(&coarse->rendition, &camera, &p->mesh, &p->session->now.kept.palette,
@@ -396,13 +386,12 @@ static const struct border *border_of(const struct pictures *p, enum rendered as
 static enum err draw_at(struct pictures *p, const struct view *view, enum rendered as,
                         enum render_mode mode, struct fault *fault)
 {
-    enum err err = take_view(p, view, fault);
-    if (!err)
-        err = make_room(p, mode, fault);
+    TRY(take_view(p, view, fault));
+    TRY(make_room(p, mode, fault));
     const bool draws_anew = mode == RENDER_SCENE || mode == RENDER_BORDER || mode == RENDER_RAY;
-    if (err || (p->rendered == as && !draws_anew))
-        return err;
-    err = draw_border(p, border_of(p, as), mode, fault);
+    if (p->rendered == as && !draws_anew)
+        return OK;
+    enum err err = draw_border(p, border_of(p, as), mode, fault);
     p->rendered = err ? RENDERED_NOT : as;
     return err;
 }
@@ -484,9 +473,7 @@ static enum err begin_live(struct pictures *p, struct fault *fault)
 {
     const struct kept *kept = &p->session->now.kept;
     const bool is_new = !p->live.label;
-    enum err err = is_new ? make_live(p, fault) : OK;
-    if (err)
-        return err;
+    TRY(is_new ? make_live(p, fault) : OK);
     const bool fits = !is_new && border_fits(&p->live.border, kept);
     kept_show(kept, &p->live.border);
     if (fits)
@@ -494,7 +481,7 @@ static enum err begin_live(struct pictures *p, struct fault *fault)
     border_recount(&p->live.border);
     if (p->rendered == RENDERED_FINISHED)
         outdate_rendition(p);
-    err = watch_fault(p->session->scene->watch, fault);
+    enum err err = watch_fault(p->session->scene->watch, fault);
     if (err)
         drop_live(p);
     return err;
@@ -563,9 +550,9 @@ static size_t list_differences(const struct live_finish *live, const uint8_t *la
 static enum err take_exact(struct pictures *p, const struct labels *exact, struct fault *fault)
 {
     struct live_finish *live = &p->live;
-    const enum err err = begin_live(p, fault);
-    if (err || live->of == session_finish_source(p->session))
-        return err;
+    TRY(begin_live(p, fault));
+    if (live->of == session_finish_source(p->session))
+        return OK;
     const size_t most = live->cells / 16;
     struct change *change = mem_array(most + 1, sizeof *change);
     const size_t count = change ? list_differences(live, exact->finished, change, most) : most + 1;
@@ -610,11 +597,9 @@ enum err session_refine(struct session *session, struct watch *watch, struct fau
     struct watch *const former = scene->watch;
     struct pictures *p;
     struct labels exact;
-    enum err err = pictures_begin(&p, session, fault);
-    if (err)
-        return err;
+    TRY(pictures_begin(&p, session, fault));
     scene->watch = watch;
-    err = session_labels(session, true, &exact, fault);
+    enum err err = session_labels(session, true, &exact, fault);
     scene->watch = NULL; /* the rest is short, and must not be stopped */
     if (!err)
         err = take_exact(p, &exact, fault);
@@ -700,13 +685,11 @@ static enum err draw_finished(struct pictures *p, const struct labels *labels,
                               enum render_mode mode, struct fault *fault)
 {
     OWNED(border_release) struct border border;
-    enum err err = border_init(&border, p->session->scene, fault);
-    if (err)
-        return err;
+    TRY(border_init(&border, p->session->scene, fault));
     border.labels = *labels;
     kept_show(&p->session->now.kept, &border);
     border_recount(&border);
-    err = watch_fault(p->session->watch, fault);
+    enum err err = watch_fault(p->session->watch, fault);
     if (!err)
         err = draw_border(p, &border, mode, fault);
     shader_release(&p->shader);
@@ -721,19 +704,16 @@ enum err session_draw_labels(struct session *session, const struct labels *label
     struct pictures *p;
     if (session->skims)
         return OK;
-    enum err err = pictures_begin(&p, session, fault);
-    if (err)
-        return err;
+    TRY(pictures_begin(&p, session, fault));
     if (!labels->finished)
         return draw_at(p, view, RENDERED_FOREST, mode, fault);
     if (session_shows_finished(session)) { /* their border is kept */
-        err = take_exact(p, labels, fault);
-        return err ? err : draw_at(p, view, RENDERED_FINISHED, mode, fault);
+        TRY(take_exact(p, labels, fault));
+        return draw_at(p, view, RENDERED_FINISHED, mode, fault);
     }
-    err = take_view(p, view, fault);
-    if (!err)
-        err = make_room(p, mode, fault);
-    return err ? err : draw_finished(p, labels, mode, fault);
+    TRY(take_view(p, view, fault));
+    TRY(make_room(p, mode, fault));
+    return draw_finished(p, labels, mode, fault);
 }
 
 enum err session_draw(struct session *session, enum render_mode mode, struct fault *fault)
@@ -754,9 +734,7 @@ static enum err fit_shown(struct pictures *p, const struct border *border, struc
     if (own->border == border && own->version == border->version && own->width == view->width &&
         own->height == view->height && own->samples == samples)
         return OK;
-    const enum err err = fit_init(&fit, border, fault);
-    if (err)
-        return err;
+    TRY(fit_init(&fit, border, fault));
     fit_middle(&fit, next.place);
     next.zoom = fit_all_round(&fit, view, next.place, samples);
     const uint32_t plain = fit_all_round(&fit, view, NULL, samples);
@@ -781,17 +759,12 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
     *glance = (struct glance){session_frame(session), 1, false};
     if (session->skims)
         return OK;
-    enum err err = pictures_begin(&p, session, fault);
-    if (!err && finished)
-        err = begin_live(p, fault);
-    if (!err)
-        err = fit_shown(p, border_of(p, as), fault);
-    if (err)
-        return err;
+    TRY(pictures_begin(&p, session, fault));
+    if (finished)
+        TRY(begin_live(p, fault));
+    TRY(fit_shown(p, border_of(p, as), fault));
     const struct view view = session_view_in_room(session, room);
-    err = take_view(p, &view, fault);
-    if (err)
-        return err;
+    TRY(take_view(p, &view, fault));
     labels->finished = finished ? p->live.label : NULL;
     glance->rendition = session_frame(session);
     const struct border *border = border_of(p, as);
@@ -805,7 +778,7 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
         glance->coarse = COARSE;
         return draw_coarse(p, &view, border, fault);
     }
-    err = draw_at(p, &view, as, RENDER_AS_KEPT, fault);
+    enum err err = draw_at(p, &view, as, RENDER_AS_KEPT, fault);
     glance->rendition = session_frame(session);
     return err;
 }
@@ -830,8 +803,8 @@ struct view session_fitting_view(const struct session *session)
 
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault)
 {
-    enum err err = session_run(session, fault);
-    return err ? err : session_draw(session, mode, fault);
+    TRY(session_run(session, fault));
+    return session_draw(session, mode, fault);
 }
 
 enum rendered session_rendered(const struct session *session)

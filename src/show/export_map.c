@@ -117,11 +117,11 @@ static enum err find_type(struct map_source *source, struct fault *fault)
         for (uint32_t c = w.row.first; c < w.row.end; c++)
             used[labels_at(source->labels, c)] = true;
     uint32_t most = 0;
-    const enum err err = source->rest ? check_rest(source, &most, fault) : OK;
+    TRY(source->rest ? check_rest(source, &most, fault) : OK);
     for (unsigned l = 0; l < 256; l++)
         most = used[l] && source->number[l] > most ? source->number[l] : most;
     source->wide = most > UINT16_MAX ? VOXEL_UINT32 : most > UINT8_MAX ? VOXEL_UINT16 : VOXEL_UINT8;
-    return err;
+    return OK;
 }
 
 enum err export_map(const struct session *session, enum map map, const struct labels *labels,
@@ -140,16 +140,14 @@ enum err export_map(const struct session *session, enum map map, const struct la
     OWNED(mem_release) uint16_t *margin = NULL, *rest = NULL;
     struct volume_label label[256];
     OWNED(buf_release) struct buf description = {0};
-    enum err err = map == MAP_MARGIN   ? margin_new(&margin, session->forest, fault)
-                   : map == MAP_LABELS ? session_take_rest(session, &rest, fault)
-                                       : OK;
+    TRY(map == MAP_MARGIN   ? margin_new(&margin, session->forest, fault)
+        : map == MAP_LABELS ? session_take_rest(session, &rest, fault)
+                            : OK);
     struct map_source source = {
         .session = session, .labels = labels, .map = map, .margin = margin, .rest = rest};
     numbering_fill(source.number, &session->now.kept);
-    if (!err && map == MAP_LABELS)
-        err = find_type(&source, fault);
-    if (err)
-        return err;
+    if (map == MAP_LABELS)
+        TRY(find_type(&source, fault));
     export_labels(label, &session->now.kept);
     for (int l = 0; l < 256; l++)
         label[l].used = source.used[l];

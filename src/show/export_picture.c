@@ -170,16 +170,14 @@ static enum err add_view_notes(struct picture *picture, const struct session *se
     const struct cut *cut = &session->now.kept.cut;
     OWNED(buf_release) struct buf words = {0}, opacity = {0};
     write_view(&words, session);
-    enum err err = export_note(picture, "iftty:view", &words, fault);
-    if (!err && !cut_is_none(cut)) {
+    TRY(export_note(picture, "iftty:view", &words, fault));
+    if (!cut_is_none(cut)) {
         write_cut(&words, cut, &session->scene->grid);
-        err = export_note(picture, "iftty:cut", &words, fault);
+        TRY(export_note(picture, "iftty:cut", &words, fault));
     }
     export_opacity(&opacity, &session->now.kept);
-    if (!err && (opacity.length || opacity.failed))
-        err = export_note(picture, "iftty:opacity", &opacity, fault);
-    if (err)
-        return err;
+    if (opacity.length || opacity.failed)
+        TRY(export_note(picture, "iftty:opacity", &opacity, fault));
     settings_write(&words, GROUP_LOOK, &session->now);
     return export_note(picture, "iftty:look", &words, fault);
 }
@@ -221,19 +219,16 @@ enum err export_notes(struct picture *picture, const struct session *session, co
                               : session->geometry.orientation == ORIENTATION_TOLD
                                   ? "set by the user"
                                   : NULL;
-    enum err err = picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault);
-    if (!err && orientation)
-        err = picture_note(picture, "iftty:orientation", orientation, fault);
-    if (!err && *session->scene_name)
-        err = picture_note(picture, "iftty:scene-name", session->scene_name, fault);
-    if (!err)
-        err = picture_note(picture, "iftty:scene", scene, fault);
-    if (!err)
-        err = add_view_notes(picture, session, fault);
-    if (!err)
-        err = add_label_note(picture, session, shown, fault);
+    TRY(picture_note(picture, "Software", "iftty " PROGRAM_VERSION, fault));
+    if (orientation)
+        TRY(picture_note(picture, "iftty:orientation", orientation, fault));
+    if (*session->scene_name)
+        TRY(picture_note(picture, "iftty:scene-name", session->scene_name, fault));
+    TRY(picture_note(picture, "iftty:scene", scene, fault));
+    TRY(add_view_notes(picture, session, fault));
+    TRY(add_label_note(picture, session, shown, fault));
     picture->is_associated = true;
-    return err;
+    return OK;
 }
 
 static enum err export_rendition_notes(struct picture *picture, const struct session *session,
@@ -301,9 +296,7 @@ enum err export_picture(struct picture *picture, const struct session *session, 
     const struct rendition shown = session_picture(session);
     const uint32_t background = session->now.outlook.background;
     bool labels[256] = {false};
-    const enum err err = picture_init(picture, shown.width, shown.height, planes, fault);
-    if (err)
-        return err;
+    TRY(picture_init(picture, shown.width, shown.height, planes, fault));
     list_labels(labels, &shown);
     export_fill(picture, session, &shown, 0);
     if (planes) {
@@ -385,10 +378,10 @@ static enum err finish_colours(const struct exporting *e, const struct rendition
                                   .rows = rows->height};
     if (!layer)
         return fault_memory(fault, "decorations of a picture");
-    const enum err err = decoration_draw(&canvas, &e->decorating->of, fault);
+    TRY(decoration_draw(&canvas, &e->decorating->of, fault));
     canvas_lay_over(layer, rows->rgba, pixels);
     memcpy(rows->rgba, layer, 4 * pixels);
-    return err;
+    return OK;
 }
 
 /* Get memory of row `top` of the picture and of those after it; false if there is no memory to
@@ -439,14 +432,11 @@ static enum err draw_rows(struct exporting *e, struct session *session, const st
 {
     const struct outlook *outlook = &session->now.outlook;
     struct pictures *p;
-    enum err err = pictures_begin(&p, session, fault);
-    if (!err && outlook->decorations) {
-        err = decorating_begin(&e->decorating, session, labels, fault);
-        if (!err)
-            err = session_aim(session, outlook, &e->decorating->camera, fault);
+    TRY(pictures_begin(&p, session, fault));
+    if (outlook->decorations) {
+        TRY(decorating_begin(&e->decorating, session, labels, fault));
+        TRY(session_aim(session, outlook, &e->decorating->camera, fault));
     }
-    if (err)
-        return err;
     if (outlook->look.samples > 1 || export_is_large(session))
         pictures_release_rendition(p);
     e->context = outlook->context ? &p->context : NULL;
@@ -454,7 +444,7 @@ static enum err draw_rows(struct exporting *e, struct session *session, const st
     p->rendered = RENDERED_NOT;
     p->take = take_rows;
     p->take_context = e;
-    err = session_draw_labels(session, labels, mode, fault);
+    enum err err = session_draw_labels(session, labels, mode, fault);
     p->take = NULL;
     p->rendered = RENDERED_NOT;
     return !err && e->err ? fault_set(fault, e->err, "%s", e->fault.text) : err;

@@ -111,12 +111,12 @@ static enum err find_extents(struct label_extent extent[256], const struct grid 
                              const uint8_t *label, struct watch *watch, struct fault *fault)
 {
     OWNED(components_release) struct components components = {0};
-    const enum err err = components_find(&components, grid, label, watch, fault);
-    for (size_t i = 0; !err && i < components.count; i++) {
+    TRY(components_find(&components, grid, label, watch, fault));
+    for (size_t i = 0; i < components.count; i++) {
         extent[components.item[i].label].voxels += components.item[i].voxels;
         extent[components.item[i].label].pieces++;
     }
-    return err;
+    return OK;
 }
 
 /* True if all voxels within LABEL_LOSS_FAR steps have the same label. */
@@ -144,13 +144,9 @@ enum err label_loss_find(struct label_loss *loss, const struct labels *finished,
     if (!label)
         return fault_memory(fault, "labels before the finish");
     labels_copy(&forest, label, team);
-    enum err err = watch_fault(watch, fault);
-    if (!err)
-        err = find_extents(loss->before, grid, label, watch, fault);
-    if (!err)
-        err = find_extents(loss->after, grid, finished->finished, watch, fault);
-    if (err)
-        return err;
+    TRY(watch_fault(watch, fault));
+    TRY(find_extents(loss->before, grid, label, watch, fault));
+    TRY(find_extents(loss->after, grid, finished->finished, watch, fault));
     for (uint32_t c = 0; c < grid->cells; c++)
         loss->far += label[c] != finished->finished[c] && is_far(grid, label, c);
     for (unsigned l = 1; l < 256; l++) {

@@ -276,8 +276,8 @@ static enum err read_line(struct label_table *table, struct part line, const int
         if (table->count > REGION_MOST)
             return fault_set(fault, ERR_LIMIT, "line %u: more than %d labels; nothing has changed",
                              number, REGION_MOST + 1);
-        const enum err err = take_name(&entry, name, fault);
-        return err || add_entry(table, &entry) ? err : fault_memory(fault, "a table of labels");
+        TRY(take_name(&entry, name, fault));
+        return add_entry(table, &entry) ? OK : fault_memory(fault, "a table of labels");
     }
     const ptrdiff_t length = line.end - line.at;
     return fault_set(fault, ERR_INPUT, "line %u: expected %s, not %.*s; nothing has changed",

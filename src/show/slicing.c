@@ -162,9 +162,7 @@ static enum err prepare_mosaic(struct session *session, enum slice_kind kind,
 {
     if (kind != SLICE_KIND_MOSAIC)
         return OK;
-    const enum err err = slicing_check_size(&session->now.outlook.view, fault);
-    if (err)
-        return err;
+    TRY(slicing_check_size(&session->now.outlook.view, fault));
     return labels ? session_draw_labels(session, labels, RENDER_AS_KEPT, fault)
                   : session_draw(session, RENDER_AS_KEPT, fault);
 }
@@ -216,10 +214,9 @@ enum err slicing_draw(struct canvas *canvas, struct session *session, enum slice
 {
     const struct view *view = &session->now.outlook.view;
     *canvas = (struct canvas){0};
-    enum err err = prepare_mosaic(session, kind, labels, fault);
-    if (!err)
-        err = canvas_init(canvas, view->width, view->height, tells_cells ? CANVAS_CELLS : 0, fault);
-    return err ? err : draw_canvas(canvas, session, kind, labels, NULL, NULL, fault);
+    TRY(prepare_mosaic(session, kind, labels, fault));
+    TRY(canvas_init(canvas, view->width, view->height, tells_cells ? CANVAS_CELLS : 0, fault));
+    return draw_canvas(canvas, session, kind, labels, NULL, NULL, fault);
 }
 
 enum err slicing_draw_panel(struct canvas *canvas, struct session *session,
@@ -277,9 +274,7 @@ enum err slicing_cell_at(uint32_t *cell, struct session *session, enum slice_kin
                          struct fault *fault)
 {
     const struct view *view = &session->now.outlook.view;
-    enum err err = prepare_mosaic(session, kind, labels, fault);
-    if (err)
-        return err;
+    TRY(prepare_mosaic(session, kind, labels, fault));
     if (kind == SLICE_KIND_MOSAIC) {
         const struct mosaic_choice choice = mosaic_of(session, NULL);
         *cell = mosaic_cell_at(session->scene, view->width, view->height, session_frame(session),
@@ -320,10 +315,7 @@ enum err slicing_export(struct picture *picture, const struct session *session,
     bool shown[256] = {false};
     uint32_t number[256];
     numbering_fill(number, &session->now.kept);
-    enum err err =
-        picture_init(picture, canvas->width, canvas->height, PICTURE_LABEL | PICTURE_VOXEL, fault);
-    if (err)
-        return err;
+    TRY(picture_init(picture, canvas->width, canvas->height, PICTURE_LABEL | PICTURE_VOXEL, fault));
     memcpy(picture->rgba, canvas->rgba, 4 * pixels);
     for (size_t i = 0; i < pixels; i++) {
         const uint32_t cell = canvas->cell[i];
@@ -333,7 +325,7 @@ enum err slicing_export(struct picture *picture, const struct session *session,
         picture->label[i] = number[label];
         picture->voxel[i] = shows ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
     }
-    err = export_notes(picture, session, shown, fault);
+    enum err err = export_notes(picture, session, shown, fault);
     if (!err)
         err = note_kind(picture, session, kind, fault);
     if (err)

@@ -86,8 +86,8 @@ static enum err render_as(const struct sheet *sheet, enum relabelled as, struct 
     for (struct grid_walk w = grid_rows(grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++)
             sheet->label[c] = new_label(sheet, as, voxel++);
-    const enum err err = session_go(session, &sheet->state, NULL, 0, fault);
-    return err ? err : session_draw_labels(session, &labels, RENDER_BORDER, fault);
+    TRY(session_go(session, &sheet->state, NULL, 0, fault));
+    return session_draw_labels(session, &labels, RENDER_BORDER, fault);
 }
 
 /* ---- panes ---- */
@@ -97,10 +97,10 @@ static enum err put_frame(const struct sheet *sheet, uint32_t pane, struct fault
 {
     OWNED(canvas_release) struct canvas frame = {0};
     const struct canvas canvas = pane_of(sheet, pane);
-    const enum err err = session_show_frame(&frame, sheet->session, fault);
-    for (size_t y = 0; !err && y < frame.height; y++)
+    TRY(session_show_frame(&frame, sheet->session, fault));
+    for (size_t y = 0; y < frame.height; y++)
         memcpy(canvas_pixel(&canvas, 0, y), canvas_pixel(&frame, 0, y), (size_t)4 * frame.width);
-    return err;
+    return OK;
 }
 
 /* Blend the differences over the grey shade of all objects, which the pane already shows with
@@ -142,10 +142,9 @@ static enum err draw_difference(struct sheet *sheet, struct fault *fault)
         return err;
     for (int kind = A_ALONE; kind < DIFFERENCES; kind++)
         memcpy(kept->palette.rgb[kind], difference_rgb[kind], 3);
-    err = render_as(sheet, AS_KIND, fault);
-    if (!err)
-        put_kinds(sheet, depth);
-    return err;
+    TRY(render_as(sheet, AS_KIND, fault));
+    put_kinds(sheet, depth);
+    return OK;
 }
 
 /* ---- words ---- */
@@ -229,10 +228,7 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     sheet.state.outlook.shows_finished = 0;
     const uint32_t width = pane_left(&sheet, 3) - SEAM;
     const uint32_t height = sheet.top + sheet.height + sheet.bottom;
-    enum err err =
-        label ? picture_init(picture, width, height, 0, fault) : fault_memory(fault, "a picture");
-    if (err)
-        return err;
+    TRY(label ? picture_init(picture, width, height, 0, fault) : fault_memory(fault, "a picture"));
     sheet.canvas =
         (struct canvas){.width = width, .height = height, .stride = width, .rgba = picture->rgba};
     canvas_box(&sheet.canvas, 0, 0, width, height, paper);
@@ -244,14 +240,11 @@ enum err difference_picture_draw(struct picture *picture, struct session *sessio
     for (uint32_t kind = A_ALONE; kind < DIFFERENCES; kind++)
         draw_entry(&sheet, (int64_t)pane_left(&sheet, 2) + BORDER, kind - A_ALONE,
                    difference_rgb[kind], difference_words[kind]);
-    err = session_draw(session, RENDER_AS_KEPT, fault);
-    if (!err)
-        err = put_frame(&sheet, 0, fault);
-    if (!err)
-        err = render_as(&sheet, AS_B, fault);
-    if (!err)
-        err = put_frame(&sheet, 1, fault);
-    return err ? err : draw_difference(&sheet, fault);
+    TRY(session_draw(session, RENDER_AS_KEPT, fault));
+    TRY(put_frame(&sheet, 0, fault));
+    TRY(render_as(&sheet, AS_B, fault));
+    TRY(put_frame(&sheet, 1, fault));
+    return draw_difference(&sheet, fault);
 }
 
 /* ---- drawing in the process of A ---- */
@@ -344,9 +337,7 @@ static enum err draw(struct picture *picture, struct session *session, const str
     const struct side_facts *other = j->side[1].facts;
     const char *const *path = j->options->path;
     struct side b = j->side[1]; /* its bytes are those of this process */
-    enum err err = align(&b, facts, label, fault);
-    if (err)
-        return err;
+    TRY(align(&b, facts, label, fault));
     overlap_add(&overlap, label, label_b, session->scene->grid.voxels);
     const struct difference_picture difference_picture = {
         .name = {shown_name(facts, path[0]), shown_name(other, path[1])},
@@ -364,8 +355,8 @@ static enum err draw(struct picture *picture, struct session *session, const str
         if (is_other || !next.kept.label_name[l][0])
             memcpy(next.kept.label_name[l], other->label_name[l], LABEL_NAME_BYTES);
     }
-    err = session_go(session, &next, NULL, 0, fault);
-    return err ? err : difference_picture_draw(picture, session, &difference_picture, fault);
+    TRY(session_go(session, &next, NULL, 0, fault));
+    return difference_picture_draw(picture, session, &difference_picture, fault);
 }
 
 /* Two scenes of different sizes have no picture. */
@@ -377,13 +368,11 @@ static enum err add_picture(void *context, const struct interpreter *interp,
     OWNED(picture_release) struct picture picture = {0};
     if (!same_size(j->side[1].facts->size, facts->size))
         return OK;
-    const enum err err = draw(&picture, interp->session, j, facts, label, fault);
+    TRY(draw(&picture, interp->session, j, facts, label, fault));
     const struct drawn drawn = {picture.width, picture.height};
-    if (!err) {
-        buf_add(out, &drawn, sizeof drawn);
-        buf_add(out, picture.rgba, (size_t)4 * picture.width * picture.height);
-    }
-    return err;
+    buf_add(out, &drawn, sizeof drawn);
+    buf_add(out, picture.rgba, (size_t)4 * picture.width * picture.height);
+    return OK;
 }
 
 /* ---- the picture ---- */
@@ -400,16 +389,13 @@ static enum err write_picture(const struct journals *j, struct fault *fault)
     if (bytes < sizeof *drawn || drawn->width > SIDE_MOST || drawn->height > SIDE_MOST ||
         bytes - sizeof *drawn != (size_t)4 * drawn->width * drawn->height)
         return fault_set(fault, ERR_INPUT, "a process returned no picture");
-    enum err err = picture_init(&picture, drawn->width, drawn->height, 0, fault);
-    if (!err) {
-        memcpy(picture.rgba, drawn + 1, (size_t)4 * picture.width * picture.height);
-        err = picture_note(&picture, "Software", "iftty " PROGRAM_VERSION, fault);
-    }
+    TRY(picture_init(&picture, drawn->width, drawn->height, 0, fault));
+    memcpy(picture.rgba, drawn + 1, (size_t)4 * picture.width * picture.height);
+    TRY(picture_note(&picture, "Software", "iftty " PROGRAM_VERSION, fault));
     buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels", j->overlap.differing,
                j->overlap.voxels);
-    if (!err)
-        err = picture_note(&picture, "iftty:differ", buf_text(&words), fault);
-    return err ? err : image_write_png(j->options->picture, &picture, fault);
+    TRY(picture_note(&picture, "iftty:differ", buf_text(&words), fault));
+    return image_write_png(j->options->picture, &picture, fault);
 }
 
 /* ---- the report ---- */

@@ -61,9 +61,8 @@ static enum err step(struct two_replays *f, size_t last, struct fault *fault)
 
 static enum err begin(struct two_replays *f, const struct buf *bytes, struct fault *fault)
 {
-    const enum err err = walk_begin(&f->walk, buf_text(bytes), bytes->length, fault);
-    if (err)
-        return fault_prefix(fault, err, "%s", f->name);
+    TRY(fault_prefix(fault, walk_begin(&f->walk, buf_text(bytes), bytes->length, fault), "%s",
+                     f->name));
     if (f->of == FIRST_RECORD && !f->walk.is_journal)
         return fault_set(fault, ERR_INPUT, "%s is a script, not a journal: it has no results",
                          f->name);
@@ -170,31 +169,29 @@ enum err bisect_journals(const char *a, const char *b, const struct printer *pri
     const char *const path[2] = {a, b};
     OWNED(first_difference_release) struct first_difference first = {0};
     struct buf text = {0};
-    enum err err = first_difference_of_files(&first, FIRST_RECORD, path, path, 0, fault);
-    if (!err) {
-        buf_printf(&text, "%s 1 - ", first.is_there ? "not ok" : "ok");
-        buf_add_safe_text(&text, a);
-        buf_add_text(&text, " and ");
-        buf_add_safe_text(&text, b);
-        buf_printf(&text, " (%zu record%s the same)\n", first.same, plural(first.same));
-        const struct buf *one = &first.side[0].command, *other = &first.side[1].command;
-        const bool are_there = first.side[0].has_command && first.side[1].has_command;
-        const bool is_result = are_there && command_is_same(buf_text(one), buf_text(other));
-        if (first.is_there) {
-            buf_printf(&text, "# record %zu is the first that differs: %s\n", first.same + 1,
-                       is_result    ? "the results of the command differ"
-                       : !are_there ? "only one of the two has this record"
-                                    : "the commands differ");
-            write_place(&text, &first, 0, a);
-            write_place(&text, &first, 1, b);
-        }
-        if (is_result)
-            divergence_describe(&text, buf_text(&first.side[0].result),
-                                buf_text(&first.side[1].result), DIVERGENCE_OF_JOURNALS);
-        buf_add_text(&text, "1..1\n");
-        err = print_text(&text, printer->print, printer, fault);
+    TRY(first_difference_of_files(&first, FIRST_RECORD, path, path, 0, fault));
+    buf_printf(&text, "%s 1 - ", first.is_there ? "not ok" : "ok");
+    buf_add_safe_text(&text, a);
+    buf_add_text(&text, " and ");
+    buf_add_safe_text(&text, b);
+    buf_printf(&text, " (%zu record%s the same)\n", first.same, plural(first.same));
+    const struct buf *one = &first.side[0].command, *other = &first.side[1].command;
+    const bool are_there = first.side[0].has_command && first.side[1].has_command;
+    const bool is_result = are_there && command_is_same(buf_text(one), buf_text(other));
+    if (first.is_there) {
+        buf_printf(&text, "# record %zu is the first that differs: %s\n", first.same + 1,
+                   is_result    ? "the results of the command differ"
+                   : !are_there ? "only one of the two has this record"
+                                : "the commands differ");
+        write_place(&text, &first, 0, a);
+        write_place(&text, &first, 1, b);
     }
-    if (!err && first.is_there)
-        err = fault_set(fault, ERR_CHECK, "record %zu is the first that differs", first.same + 1);
-    return err;
+    if (is_result)
+        divergence_describe(&text, buf_text(&first.side[0].result), buf_text(&first.side[1].result),
+                            DIVERGENCE_OF_JOURNALS);
+    buf_add_text(&text, "1..1\n");
+    TRY(print_text(&text, printer->print, printer, fault));
+    if (first.is_there)
+        return fault_set(fault, ERR_CHECK, "record %zu is the first that differs", first.same + 1);
+    return OK;
 }

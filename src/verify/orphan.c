@@ -22,12 +22,12 @@
 static enum err open_files(struct golden_files *files, const char *journal, struct fault *fault)
 {
     OWNED(buf_release) struct buf bytes = {0};
-    enum err err = golden_files_open(files, journal, false, fault);
-    if (!err && files->folder >= 0)
-        err = file_read(&bytes, journal, JOURNAL_BYTES_MAX, fault);
-    if (!err && files->folder >= 0)
-        err = golden_files_read(files, buf_text(&bytes), bytes.length, fault);
-    return err;
+    TRY(golden_files_open(files, journal, false, fault));
+    if (files->folder >= 0)
+        TRY(file_read(&bytes, journal, JOURNAL_BYTES_MAX, fault));
+    if (files->folder >= 0)
+        TRY(golden_files_read(files, buf_text(&bytes), bytes.length, fault));
+    return OK;
 }
 
 /* ---- leftovers of a killed command ---- */
@@ -209,6 +209,6 @@ enum err orphan_remove(const char *journal, const char *orphan, struct fault *fa
                          "%s is a link to %s: %s was left alone; name that journal to remove it",
                          journal, buf_text(&real), orphan);
     OWNED(golden_files_close) struct golden_files files;
-    const enum err err = open_files(&files, journal, fault);
-    return err ? err : golden_files_remove(&files, orphan, fault);
+    TRY(open_files(&files, journal, fault));
+    return golden_files_remove(&files, orphan, fault);
 }

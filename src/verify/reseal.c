@@ -79,10 +79,8 @@ static enum err write_draft(struct resealing *r, struct interpreter *interp, con
                             const struct picture *picture, struct fault *fault)
 {
     OWNED(buf_release) struct buf draft = {0};
-    enum err err = file_draft(&draft, path, FILE_REPLACE, fault);
-    if (err)
-        return err;
-    err = image_write(interp->helper, buf_text(&draft), FILE_KEEP, picture, fault);
+    TRY(file_draft(&draft, path, FILE_REPLACE, fault));
+    enum err err = image_write(interp->helper, buf_text(&draft), FILE_KEEP, picture, fault);
     buf_add(&r->drafts, buf_text(&draft), draft.length + 1);
     buf_add(&r->drafts, path, strlen(path) + 1);
     if (err || !r->drafts.failed)
@@ -96,24 +94,22 @@ static enum err write_drafts(struct resealing *r, struct interpreter *interp,
                              const struct golden_finding *finding, struct fault *fault)
 {
     OWNED(golden_files_close) struct golden_files files;
-    enum err err = golden_files_open(&files, buf_text(&interp->home), false, fault);
-    if (!err && files.folder < 0) {
+    TRY(golden_files_open(&files, buf_text(&interp->home), false, fault));
+    if (files.folder < 0) {
         buf_clear(&r->folder);
         buf_add_text(&r->folder, buf_text(&files.path));
         golden_files_close(&files);
-        err = golden_files_open(&files, buf_text(&interp->home), true, fault);
+        TRY(golden_files_open(&files, buf_text(&interp->home), true, fault));
     }
-    if (!err && !interp->session->is_private)
-        err = picture_note(finding->actual, "iftty:journal", file_name(buf_text(&interp->home)),
-                           fault);
-    if (!err)
-        err = picture_note(finding->actual, "iftty:chain", r->chain.hex, fault);
-    if (!err)
-        err = write_draft(r, interp, finding->path, finding->actual, fault);
+    if (!interp->session->is_private)
+        TRY(picture_note(finding->actual, "iftty:journal", file_name(buf_text(&interp->home)),
+                         fault));
+    TRY(picture_note(finding->actual, "iftty:chain", r->chain.hex, fault));
+    TRY(write_draft(r, interp, finding->path, finding->actual, fault));
     buf_printf(&files.path, "/%s.png", finding->name);
-    if (!err && files.path.failed)
-        err = fault_memory(fault, "a path");
-    return err ? err : write_draft(r, interp, buf_text(&files.path), finding->actual, fault);
+    if (files.path.failed)
+        return fault_memory(fault, "a path");
+    return write_draft(r, interp, buf_text(&files.path), finding->actual, fault);
 }
 
 /* Return the next of names separated by commas; false after the last. */
@@ -179,10 +175,9 @@ static enum err note_difference(void *context, struct interpreter *interp,
         r->images++;
         buf_add_text(&r->note, fault->text);
     }
-    const enum err err = r->is_left ? OK : write_drafts(r, interp, finding, fault);
-    if (!err)
-        fault->text[0] = '\0';
-    return err;
+    TRY(r->is_left ? OK : write_drafts(r, interp, finding, fault));
+    fault->text[0] = '\0';
+    return OK;
 }
 
 static void resealing_release(struct resealing *r)
@@ -330,28 +325,25 @@ static enum err reseal_bytes(struct resealing *r, const struct buf *bytes, struc
 {
     OWNED(walk_release) struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, buf_text(bytes), bytes->length, fault);
-    if (err)
-        return err;
+    TRY(walk_begin(&walk, buf_text(bytes), bytes->length, fault));
     if (!walk.is_journal)
         return fault_set(fault, ERR_CHECK,
                          "this is a script, not a journal: run it into a new one; %s", unchanged);
-    err = session_set_semantics(r->interp->session, walk.semantics, fault);
-    if (!err)
-        record_header(&r->header, walk.semantics);
+    TRY(session_set_semantics(r->interp->session, walk.semantics, fault));
+    record_header(&r->header, walk.semantics);
     buf_add(&r->out, buf_text(&r->header), r->header.length);
-    while (!err && walk_next(&walk, &record) == WALK_RECORD)
-        err = reseal_record(r, walk.bytes, &record, fault);
-    if (!err && walk.over != WALK_END)
-        err = fault_set(fault, ERR_CHECK, "%s; continuing the journal repairs it; %s",
-                        walk.fault.text, unchanged);
-    if (!err && r->missing)
-        err = fault_set(fault, ERR_CHECK,
-                        "%s; iftty log --reseal --accept WHY FILE draws it again; %s",
-                        r->missing_words.text, unchanged);
-    if (!err && r->why)
-        err = check_names(r, fault);
-    return !err && (r->out.failed || r->header.failed) ? fault_memory(fault, "a journal") : err;
+    while (walk_next(&walk, &record) == WALK_RECORD)
+        TRY(reseal_record(r, walk.bytes, &record, fault));
+    if (walk.over != WALK_END)
+        return fault_set(fault, ERR_CHECK, "%s; continuing the journal repairs it; %s",
+                         walk.fault.text, unchanged);
+    if (r->missing)
+        return fault_set(fault, ERR_CHECK,
+                         "%s; iftty log --reseal --accept WHY FILE draws it again; %s",
+                         r->missing_words.text, unchanged);
+    if (r->why)
+        TRY(check_names(r, fault));
+    return r->out.failed || r->header.failed ? fault_memory(fault, "a journal") : OK;
 }
 
 /* R1, R2: publish everything or nothing. */
@@ -493,13 +485,13 @@ enum err reseal_accept(struct interpreter *interp, const char *path, const char 
                        const char *only, const struct printer *printer, struct fault *fault)
 {
     struct resealing r = {.interp = interp, .why = why, .only = only};
-    const enum err err = reseal(&r, path, printer, fault);
-    return err || !r.left
-               ? err
-               : fault_set(fault, ERR_CHECK,
-                           "%zu picture%s of %s still differ%s, not named by --only: iftty verify "
-                           "--out DIR stores what differs",
-                           r.left, plural(r.left), path, r.left == 1 ? "s" : "");
+    TRY(reseal(&r, path, printer, fault));
+    if (!r.left)
+        return OK;
+    return fault_set(fault, ERR_CHECK,
+                     "%zu picture%s of %s still differ%s, not named by --only: iftty verify --out "
+                     "DIR stores what differs",
+                     r.left, plural(r.left), path, r.left == 1 ? "s" : "");
 }
 
 enum err reseal_edited(struct interpreter *interp, const char *path, const char *why,

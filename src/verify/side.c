@@ -159,7 +159,7 @@ enum err side_carry_out(struct side *side, const char *path, const struct side_o
     enum err err = process_run(&side->bytes, &how, fault);
     if (!err)
         err = judge(side, options->is_strict, fault);
-    return err && err != ERR_CANCELLED ? fault_prefix(fault, err, "%s", path) : err;
+    return err == ERR_CANCELLED ? err : fault_prefix(fault, err, "%s", path);
 }
 
 void side_release(struct side *side)

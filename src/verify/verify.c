@@ -125,10 +125,9 @@ static enum err judge_whole(const struct verify_options *options, struct interpr
         return fault_set(fault, ERR_CHECK,
                          "it ends with record %zu: nothing to compare from %zu on",
                          report->executed, options->first);
-    const enum err err = options->last ? OK : judge_orphans(options, interp, result, fault);
-    return err || !options->strict
-               ? err
-               : judge_strictly(report, !is_part && !result->evidence.goldens, fault);
+    TRY(options->last ? OK : judge_orphans(options, interp, result, fault));
+    return options->strict ? judge_strictly(report, !is_part && !result->evidence.goldens, fault)
+                           : OK;
 }
 
 /* Name the folder for the evidence of a journal; it is made when evidence exists. Journals of
@@ -159,15 +158,12 @@ static enum err judge_expected(const struct verify_options *options,
     struct record record;
     if (!options->expect)
         return OK;
-    enum err err = file_read(&bytes, result->path, JOURNAL_BYTES_MAX, fault);
-    if (!err)
-        err = walk_begin(&walk, buf_text(&bytes), bytes.length, fault);
-    if (err)
-        return err;
+    TRY(file_read(&bytes, result->path, JOURNAL_BYTES_MAX, fault));
+    TRY(walk_begin(&walk, buf_text(&bytes), bytes.length, fault));
     while (walk_next(&walk, &record) == WALK_RECORD)
         continue;
     const char *chain = walk.chain.hex;
-    err = walk_judge(&walk, fault);
+    enum err err = walk_judge(&walk, fault);
     if (err)
         return err;
     if (!options->last && !result->err &&
@@ -372,9 +368,7 @@ static enum err sum_up(const struct verification *v, struct fault *fault)
             buf_printf(&text, ", %zu skipped", sum.skipped);
         buf_add_char(&text, '\n');
     }
-    const enum err err = print_text(&text, v->printer->print, v->printer, fault);
-    if (err)
-        return err;
+    TRY(print_text(&text, v->printer->print, v->printer, fault));
     return sum.worst ? fault_set(fault, sum.worst, "%zu of %zu journal%s failed", sum.failed,
                                  sum.count, plural(sum.count))
                      : OK;
