@@ -312,26 +312,22 @@ enum err record_encode(struct buf *out, struct record_chain *chain, const char *
 {
     OWNED(buf_release) struct buf text = {0};
     struct record_chain after;
-    enum err err = record_command_check(record->command, fault);
-    if (!err)
-        err = record_words_check(record->result, fault);
-    if (err)
-        return err;
+    TRY(record_command_check(record->command, fault));
+    TRY(record_words_check(record->result, fault));
     assert(*comments == '\0' || comments[strlen(comments) - 1] == '\n');
     buf_printf(&text, "%s%s\n", comments, record->command);
     const size_t result = text.length;
     buf_printf(&text, "= %zu%s%s", record->number, *record->result ? " " : "", record->result);
     if (text.length - result + SEAL_LENGTH > RECORD_LINE_MAX)
-        err = fault_set(fault, ERR_LIMIT, "a result line is longer than %d bytes", RECORD_LINE_MAX);
+        return fault_set(fault, ERR_LIMIT, "a result line is longer than %d bytes",
+                         RECORD_LINE_MAX);
     record_chain_compute(&after, chain, header, strlen(header), buf_text(&text), text.length);
     buf_printf(&text, "%s%s\n", chain_mark, after.hex);
-    if (!err && (text.failed || !buf_reserve(out, text.length)))
-        err = fault_memory(fault, "a record of the journal");
-    if (!err) {
-        buf_add(out, text.data, text.length);
-        *chain = after;
-    }
-    return err;
+    if (text.failed || !buf_reserve(out, text.length))
+        return fault_memory(fault, "a record of the journal");
+    buf_add(out, text.data, text.length);
+    *chain = after;
+    return OK;
 }
 
 /* ---- a walk: lines --------------------------------------------------------------------------- */

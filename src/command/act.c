@@ -124,23 +124,18 @@ enum err act_label_file(const struct act *act)
     OWNED(regions_release) struct regions regions = {0};
     struct label_tally tally;
     struct buf *out = &act->reply->text, *path = act_buf(act), *text = act_buf(act);
-    enum err err = act_choose_regions(&regions, act, NULL);
-    if (err)
-        return err;
+    TRY(act_choose_regions(&regions, act, NULL));
     if (act_has(act, "as"))
-        err = regions_check(&regions, &act->next->kept, act->fault);
-    if (!err)
-        err = interpreter_find_file(act->interp, name, path, act->fault);
-    if (!err)
-        err = file_read(text, buf_text(path), TABLE_BYTES_MOST, act->fault);
-    if (!err && file_is_named(name, ".lut"))
-        err = label_table_read_lut(&table, (const uint8_t *)text->data, text->length, act->fault);
-    else if (!err)
-        err = label_table_read(&table, buf_text(text), text->length, act->fault);
-    if (!err)
-        err = label_table_apply(&act->next->kept, &tally, &table, &regions, act->fault);
-    if (err)
-        return act_prefix_file(act, err);
+        TRY(act_prefix_file(act, regions_check(&regions, &act->next->kept, act->fault)));
+    TRY(act_prefix_file(act, interpreter_find_file(act->interp, name, path, act->fault)));
+    TRY(act_prefix_file(act, file_read(text, buf_text(path), TABLE_BYTES_MOST, act->fault)));
+    TRY(act_prefix_file(
+        act,
+        file_is_named(name, ".lut")
+            ? label_table_read_lut(&table, (const uint8_t *)text->data, text->length, act->fault)
+            : label_table_read(&table, buf_text(text), text->length, act->fault)));
+    TRY(act_prefix_file(act,
+                        label_table_apply(&act->next->kept, &tally, &table, &regions, act->fault)));
     buf_printf(out, "%u name%s and %u colour%s of labels\n", tally.names, plural(tally.names),
                tally.colours, plural(tally.colours));
     if (tally.beyond && !act_has(act, "regions"))

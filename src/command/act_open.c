@@ -82,7 +82,6 @@ static enum err read_parameters(struct volume_choice *choice, const char **name,
                                 const struct act *act)
 {
     struct fault *fault = act->fault;
-    enum err err = OK;
     *name = act_text(act, "FILE");
     *choice = (struct volume_choice){
         .has_volume = act_has(act, "volume"),
@@ -95,28 +94,27 @@ static enum err read_parameters(struct volume_choice *choice, const char **name,
         .huge = act_is_yes(act, "huge"),
         .straightens = act_is_yes(act, "straighten"),
     };
-    if (act_has(act, "series"))
-        err = read_series(choice, act_text(act, "series"), fault);
-    if (!err && act_has(act, "crop"))
-        err = read_box(choice, act_text(act, "crop"), fault);
     const bool is_raw = scan_text(name, RAW);
-    if (!err && is_raw)
-        err = read_layout(&choice->raw, act);
     if (!is_raw && act_has(act, "size|type|endian|offset"))
         return fault_set(fault, ERR_USAGE,
                          "size, type, endian and offset are only for `open raw:FILE`");
-    if (!err && act_has(act, "spacing") &&
-        !read_three(choice->spacing_nm, act_text(act, "spacing"), 6))
-        err =
-            fault_set(fault, ERR_USAGE, "spacing: expected X,Y,Z in millimetres, as 0.5,0.5,1.25");
+    if (act_has(act, "series"))
+        TRY(read_series(choice, act_text(act, "series"), fault));
+    if (act_has(act, "crop"))
+        TRY(read_box(choice, act_text(act, "crop"), fault));
+    if (is_raw)
+        TRY(read_layout(&choice->raw, act));
+    if (act_has(act, "spacing") && !read_three(choice->spacing_nm, act_text(act, "spacing"), 6))
+        return fault_set(fault, ERR_USAGE,
+                         "spacing: expected X,Y,Z in millimetres, as 0.5,0.5,1.25");
     /* Old records may have parameters about a file for a synthetic scene. */
-    if (!err && strncmp(*name, "synth:", 6) == 0 && act->interp->mode == MODE_LIVE &&
+    if (strncmp(*name, "synth:", 6) == 0 && act->interp->mode == MODE_LIVE &&
         act_has(act, "series|data|missing|skip|size|type|endian|offset|spacing|huge|private|"
                      "straighten"))
-        err = fault_set(fault, ERR_USAGE,
-                        "series, data, missing, skip, spacing, huge and straighten are for files, "
-                        "not for synthetic scenes; nothing was opened");
-    return err;
+        return fault_set(fault, ERR_USAGE,
+                         "series, data, missing, skip, spacing, huge and straighten are for files, "
+                         "not for synthetic scenes; nothing was opened");
+    return OK;
 }
 
 /* The initial weight. */
@@ -294,21 +292,17 @@ enum err act_open(const struct act *act)
     const char *name;
     const bool had_scene = session->has_scene;
     bool has_weight = false;
-    enum err err = read_parameters(&choice, &name, act);
+    TRY(read_parameters(&choice, &name, act));
     choice.as_recorded = act->interp->mode != MODE_LIVE;
     choice.list = choice.as_recorded ? NULL : &act->reply->list;
-    if (!err)
-        err = take_first_weight(act, &has_weight);
-    const bool by_proof = !err && has_proof(act, &choice, proof);
+    TRY(take_first_weight(act, &has_weight));
+    const bool by_proof = has_proof(act, &choice, proof);
     if (by_proof)
-        err = open_outside(act, name, &choice, proof);
-    const bool is_open = session->has_scene && !had_scene;
-    if (!err && !is_open)
-        err = find_scene(act, name, by_proof, path);
-    if (!err && !is_open)
-        err = session_open(session, buf_text(path), &choice, act->fault);
-    if (err)
-        return err;
+        TRY(open_outside(act, name, &choice, proof));
+    if (!session->has_scene || had_scene) {
+        TRY(find_scene(act, name, by_proof, path));
+        TRY(session_open(session, buf_text(path), &choice, act->fault));
+    }
     const bool is_private = act_is_yes(act, "private");
     /* The name of the scene in pictures is the last part of the name in the command. The name of a
      * folder is often a patient's. */

@@ -99,23 +99,23 @@ static enum err write_picture(struct spin *spin, unsigned number, const struct p
 {
     const struct act *act = spin->act;
     const bool begins = number == 0 || spin->pattern.counts;
-    enum err err = begins ? finish_file(spin) : OK;
-    if (!err && begins)
-        err = find_path(spin, number);
-    if (err || !spin->path->length)
-        return err;
+    if (begins) {
+        TRY(finish_file(spin));
+        TRY(find_path(spin, number));
+    }
+    if (!spin->path->length)
+        return OK;
     const char *path = buf_text(spin->path);
     if (!is_helped(spin))
         return act_write_now(act->interp, path, spin->mode, picture, act->fault);
-    if (begins) /* the next file, or the only one */
-        err = interpreter_will_write(act->interp, path, spin->mode, act->fault);
-    if (!err && begins) {
+    if (begins) { /* the next file, or the only one */
+        TRY(interpreter_will_write(act->interp, path, spin->mode, act->fault));
         spin->movie =
             (struct image_movie){.helper = act->interp->helper, .path = path, .mode = spin->mode};
-        err = image_movie_begin(&spin->movie, picture, spin->pattern.counts ? 1 : spin->total,
-                                spin->pattern.counts ? 0 : spin->delay_ms, act->fault);
+        TRY(image_movie_begin(&spin->movie, picture, spin->pattern.counts ? 1 : spin->total,
+                              spin->pattern.counts ? 0 : spin->delay_ms, act->fault));
     }
-    return err ? err : image_movie_add(&spin->movie, picture, act->fault);
+    return image_movie_add(&spin->movie, picture, act->fault);
 }
 
 /* ---- pictures ---- */
@@ -542,20 +542,18 @@ static enum err show_or_write(const struct act *act, enum slice_kind kind)
     if (act->interp->mode == MODE_SKIM)
         return OK;
     act_write_slices(&act->reply->text, act->session);
-    enum err err = act_take_shown(act, &labels);
-    if (!err && !act_has(act, "FILE")) {
+    TRY(act_take_shown(act, &labels));
+    if (!act_has(act, "FILE")) {
         canvas_release(&act->interp->shown);
-        err = draw_slices(act, kind, &labels, false, &act->interp->shown);
-        act->interp->shows_picture = !err;
-        return err;
+        TRY(draw_slices(act, kind, &labels, false, &act->interp->shown));
+        act->interp->shows_picture = true;
+        return OK;
     }
-    if (!err)
-        err = act_take_slices(act, kind, &labels, &picture);
-    if (!err)
-        err = interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault);
-    return err || !path->length
-               ? err
-               : act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
+    TRY(act_take_slices(act, kind, &labels, &picture));
+    TRY(interpreter_output_path(act->interp, act_text(act, "FILE"), path, act->fault));
+    if (!path->length)
+        return OK;
+    return act_write_picture(act, buf_text(path), act_file_mode(act), &picture);
 }
 
 enum err act_slice(const struct act *act)

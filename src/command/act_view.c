@@ -36,20 +36,16 @@ static enum err weigh_by_file(const struct act *act, const char *name)
     const struct map_place place = act_map_place(act);
     OWNED(volume_release) struct volume map = {0};
     struct buf *path = act_buf(act);
-    enum err err = interpreter_find_file(act->interp, name, path, fault);
+    const enum err err = interpreter_find_file(act->interp, name, path, fault);
     if (err) {
         fault_prefix(fault, err, "expected " WEIGHT_KINDS " or a file");
-        near_append_choices(name, WEIGHT_KINDS, fault);
+        return near_append_choices(name, WEIGHT_KINDS, fault);
     }
-    if (!err)
-        err = map_read(&map, buf_text(path), &place, session->watch, fault);
-    if (!err)
-        err = act_prefix_file(act, map_to_weights(&map, session->watch, fault));
-    if (!err)
-        err = session_set_weight_map(session, name, map.intensity, fault);
-    if (!err)
-        buf_add_text(&act->reply->text, map.notes);
-    return err;
+    TRY(map_read(&map, buf_text(path), &place, session->watch, fault));
+    TRY(act_prefix_file(act, map_to_weights(&map, session->watch, fault)));
+    TRY(session_set_weight_map(session, name, map.intensity, fault));
+    buf_add_text(&act->reply->text, map.notes);
+    return OK;
 }
 
 /* Read the parameters of a weight: those of its row, and no others. */

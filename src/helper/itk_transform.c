@@ -289,22 +289,20 @@ enum err itk_transform_read(struct affine *out, struct buf *kind, const char *by
     struct reading reading = {.out = &found, .kind = kind};
     struct part part;
     const char *text = bytes;
-    enum err err;
     affine_identity(&found);
     if (strlen(bytes) == length && scan_text(&text, "#Insight Transform File V1.0"))
-        err = read_text(&reading, bytes, fault);
+        TRY(read_text(&reading, bytes, fault));
     else if (take_matrix(part.name, part.number, &part.numbers, bytes, length) > 0 &&
              name_length(part.name) > 0)
-        err = read_matrices(&reading, bytes, length, fault);
+        TRY(read_matrices(&reading, bytes, length, fault));
     else
         return fault_set(fault, ERR_INPUT,
                          "it is no affine transform that is known here: ITK's as text or .mat, or "
                          "\"fsl:FILE\" for a matrix of FLIRT");
-    if (!err && reading.parts == 0)
-        err = fault_set(fault, ERR_INPUT, "it holds no transform");
-    if (!err && kind->failed)
-        err = fault_memory(fault, "the name of a transform");
-    if (!err)
-        *out = found;
-    return err;
+    if (reading.parts == 0)
+        return fault_set(fault, ERR_INPUT, "it holds no transform");
+    if (kind->failed)
+        return fault_memory(fault, "the name of a transform");
+    *out = found;
+    return OK;
 }

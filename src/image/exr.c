@@ -410,38 +410,38 @@ static enum err get_pixels(struct reader *r, const struct exr_stream *stream, st
     return result ? exr_fault("read", stream, result, fault) : OK;
 }
 
-/* Read the picture of an open file by r->context. */
-static enum err read_context(struct reader *r, const struct exr_stream *stream, struct fault *fault)
+/* Make the picture of an open file, without its pixels. */
+static enum err make_picture(struct reader *r, const struct exr_stream *stream, struct fault *fault)
 {
     struct picture *out = r->out;
     unsigned planes;
     size_t pixel_bytes;
-    enum err err = check_form(&r->form, r->context, fault);
+    TRY(check_form(&r->form, r->context, fault));
     const bool associated = is_associated(r->context);
-    if (!err)
-        err = find_channels(&planes, r->context, associated, &pixel_bytes, fault);
-    if (!err)
-        err = find_window(r->context, &r->window, pixel_bytes, stream->bytes, fault);
-    if (!err) {
-        const uint32_t width = (uint32_t)(r->window.max.x - r->window.min.x + 1);
-        const uint32_t height = (uint32_t)(r->window.max.y - r->window.min.y + 1);
-        err = (size_t)width * height > mem_available() / PIXEL_BYTES
-                  ? fault_memory(fault, "a picture")
-                  : picture_init(out, width, height, planes, fault);
-    }
-    if (!err)
-        err = get_attributes(out, r->context, fault);
+    TRY(find_channels(&planes, r->context, associated, &pixel_bytes, fault));
+    TRY(find_window(r->context, &r->window, pixel_bytes, stream->bytes, fault));
+    const uint32_t width = (uint32_t)(r->window.max.x - r->window.min.x + 1);
+    const uint32_t height = (uint32_t)(r->window.max.y - r->window.min.y + 1);
+    if ((size_t)width * height > mem_available() / PIXEL_BYTES)
+        return fault_memory(fault, "a picture");
+    TRY(picture_init(out, width, height, planes, fault));
+    TRY(get_attributes(out, r->context, fault));
     out->tiled = r->form.tiled;
     out->is_associated = associated;
     int32_t chunks = 0;
-    if (!err && r->like) { /* the table of the blocks follows the header */
+    if (r->like) { /* the table of the blocks follows the header */
         exr_get_chunk_count(r->context, 0, &chunks);
         r->next += (uint64_t)chunks * 8;
         out->space.eye_mm = r->like->space.eye_mm;
     }
-    if (err)
-        fault_prefix(fault, err, "%s", stream->path);
-    else
+    return OK;
+}
+
+/* Read the picture of an open file by r->context. */
+static enum err read_context(struct reader *r, const struct exr_stream *stream, struct fault *fault)
+{
+    enum err err = fault_prefix(fault, make_picture(r, stream, fault), "%s", stream->path);
+    if (!err)
         err = get_pixels(r, stream, fault);
     return err && watch_stops(r->watch) ? watch_fault(r->watch, fault) : err;
 }

@@ -640,29 +640,26 @@ static enum err read_names(struct buf *names, const struct volume_header *header
     uint8_t head[EXTENSION_HEAD] = {0};
     if (!is_second && strcmp(header->format, "nifti-1") != 0)
         return OK; /* a pair */
-    enum err err = source_go_to(source, at, part, fault);
-    if (!err)
-        err = source_read(source, head, 4, part, NULL, fault);
+    TRY(source_go_to(source, at, part, fault));
+    TRY(source_read(source, head, 4, part, NULL, fault));
     at += 4;
-    for (bool goes_on = head[0]; !err && goes_on && header->offset - at > EXTENSION_HEAD;) {
-        err = source_read(source, head, sizeof head, part, NULL, fault);
+    for (bool goes_on = head[0]; goes_on && header->offset - at > EXTENSION_HEAD;) {
+        TRY(source_read(source, head, sizeof head, part, NULL, fault));
         const uint64_t length = bits_get(head, 4, big), code = bits_get(head + 4, 4, big);
-        goes_on = length > EXTENSION_HEAD && length <= header->offset - at;
-        if (err || !goes_on)
-            continue;
+        if (length <= EXTENSION_HEAD || length > header->offset - at)
+            return OK;
         at += length;
         if ((code != CARET && code != 0) || length > TABLE_BYTES_MOST) {
-            err = source_go_to(source, at, part, fault);
+            TRY(source_go_to(source, at, part, fault));
             continue;
         }
         OWNED(mem_release) char *xml = mem_new((size_t)length);
-        err = xml ? source_read(source, xml, (size_t)length - EXTENSION_HEAD, part, NULL, fault)
-                  : fault_memory(fault, part);
-        if (!err)
-            names_read_xml(names, xml, (size_t)length - EXTENSION_HEAD, header->choice.volume);
+        TRY(xml ? source_read(source, xml, (size_t)length - EXTENSION_HEAD, part, NULL, fault)
+                : fault_memory(fault, part));
+        names_read_xml(names, xml, (size_t)length - EXTENSION_HEAD, header->choice.volume);
         goes_on = names->length == before;
     }
-    return err;
+    return OK;
 }
 
 /* Append the four bytes after the header, and the extension. */

@@ -511,18 +511,20 @@ static enum err take_other(struct reading *r)
 
 static enum err take_chunks(struct reading *r, uint32_t width, uint32_t height)
 {
-    enum err err = next_chunk(r);
-    if (!err)
-        err = take_header(r, width, height);
-    while (!err && !(err = next_chunk(r)) && strcmp(r->type, "IDAT") != 0)
-        err = take_other(r);
-    while (!err && strcmp(r->type, "IDAT") == 0) {
-        buf_add(&r->packed, r->data, r->length);
-        err = r->packed.failed ? fault_memory(r->fault, "a picture") : next_chunk(r);
+    TRY(next_chunk(r));
+    TRY(take_header(r, width, height));
+    TRY(next_chunk(r));
+    while (strcmp(r->type, "IDAT") != 0) {
+        TRY(take_other(r));
+        TRY(next_chunk(r));
     }
-    if (!err && (strcmp(r->type, "IEND") != 0 || r->length || r->at != r->end))
-        err = refuse(r, "something follows its pixels");
-    return err;
+    while (strcmp(r->type, "IDAT") == 0) {
+        buf_add(&r->packed, r->data, r->length);
+        TRY(r->packed.failed ? fault_memory(r->fault, "a picture") : next_chunk(r));
+    }
+    if (strcmp(r->type, "IEND") != 0 || r->length || r->at != r->end)
+        return refuse(r, "something follows its pixels");
+    return OK;
 }
 
 /* Predict a byte from those left of it, above it, and left of that. */

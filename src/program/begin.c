@@ -144,6 +144,12 @@ struct linked {
     size_t count;
 };
 
+static void linked_release(struct linked *linked)
+{
+    while (linked->count)
+        free(linked->path[--linked->count]);
+}
+
 /* Look only at files that the journal's records name. An unreadable journal is left to the
  * replay. */
 static void find_linked(struct linked *linked, const char *journal)
@@ -171,19 +177,15 @@ enum err begin_confined(const struct options *o, const char *journal, const char
                         struct fault *fault)
 {
     OWNED(buf_release) struct buf images = {0}, volumes = {0}, goldens = {0}, outside = {0};
-    struct linked linked = {.count = 0};
+    OWNED(linked_release) struct linked linked = {.count = 0};
     struct limits limits;
-    enum err err = limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault);
-    if (!err)
-        err = coprocess_find(&images, IMAGE_HELPER, fault);
-    if (!err)
-        err = coprocess_find(&volumes, VOLUME_HELPER, fault);
-    if (!err)
-        err = golden_folder(&goldens, journal, fault);
-    if (!err && !o->scene)
-        err = find_outside(&outside, journal, fault);
-    if (!err)
-        find_linked(&linked, journal);
+    TRY(limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault));
+    TRY(coprocess_find(&images, IMAGE_HELPER, fault));
+    TRY(coprocess_find(&volumes, VOLUME_HELPER, fault));
+    TRY(golden_folder(&goldens, journal, fault));
+    if (!o->scene)
+        TRY(find_outside(&outside, journal, fault));
+    find_linked(&linked, journal);
     char *path = (char *)(uintptr_t)journal;
     const char *const folders[] = {written, NULL};
     const struct trust_places places = {.journal = &path,
@@ -195,14 +197,10 @@ enum err begin_confined(const struct options *o, const char *journal, const char
                                         .outside = outside.length ? buf_text(&outside) : NULL,
                                         .helper = {buf_text(&images), buf_text(&volumes)},
                                         .written = folders};
-    if (!err) {
-        trust_confine(&places);
-        limits_begin(&limits);
-        volume_helper_needs_landlock = !o->unconfined;
-    }
-    while (linked.count)
-        free(linked.path[--linked.count]);
-    return err;
+    trust_confine(&places);
+    limits_begin(&limits);
+    volume_helper_needs_landlock = !o->unconfined;
+    return OK;
 }
 
 enum err begin_one(void *context, const char *journal, struct fault *fault)

@@ -345,10 +345,10 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
 {
     struct prompt *prompt = context;
     OWNED(buf_release) struct buf line = {0};
-    enum err err = OK;
     buf_add_text(output, buf_text(&prompt->config.words));
     if (prompt->resumes) {
-        err = interpreter_resume_journal(&prompt->interp, prompt->first, output, fault);
+        const enum err err =
+            interpreter_resume_journal(&prompt->interp, prompt->first, output, fault);
         console_erase_progress();
         if (!err)
             buf_printf(output, "%zu record%s resumed\n", journal_count(prompt->interp.journal),
@@ -357,19 +357,17 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
             fault_set(fault, err, "cannot resume %s: cancelled; it is as it was", prompt->first);
         return err;
     }
+    prompt->is_empty = !prompt->first;
     if (prompt->first) {
         buf_add_text(&line, "open ");
         command_write_word(&line, prompt->first);
-        err = execute_line(prompt, buf_text(&line), output, fault);
+        TRY(execute_line(prompt, buf_text(&line), output, fault));
+        TRY(execute_line(prompt, "auto on", output, fault));
     }
-    prompt->is_empty = !prompt->first;
-    if (!err && prompt->first)
-        err = execute_line(prompt, "auto on", output, fault);
-    if (!err)
-        carry_out_start(prompt, output);
-    if (!err && prompt->interp.has_pilot)
+    carry_out_start(prompt, output);
+    if (prompt->interp.has_pilot)
         buf_add_text(output, "Ctrl-O: the pilot, to segment by keys; `help`: the commands\n");
-    return err;
+    return OK;
 }
 
 static enum err prompt_begin(void *context, struct buf *output, struct fault *fault)

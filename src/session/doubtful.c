@@ -269,10 +269,8 @@ enum err doubtful_find(struct doubtful_slice slice[DOUBTFUL_MOST], size_t *count
                        struct session *session, unsigned label, struct fault *fault)
 {
     const struct doubt *doubt = &session->inside->doubting.doubt;
-    const enum err err = update_doubt(session, label, fault);
     *count = 0;
-    if (err)
-        return err;
+    TRY(update_doubt(session, label, fault));
     /* Copy the sums, so that slices can be excluded. */
     const size_t slices = (size_t)doubt->size[0] + doubt->size[1] + doubt->size[2];
     OWNED(doubt_release) struct doubt left = *doubt;

@@ -383,12 +383,12 @@ static enum err count_waiting(const struct roi *roi, const struct scene *scene,
     for (size_t i = 0; i < pendings; i++)
         if (!roi_holds(roi, scene, pending[i].cell))
             rank[count++] = (uint64_t)pending[i].cell << 32 | i;
-    const enum err err = sort_by_upper_half(rank, count, scene->watch, fault);
+    TRY(sort_by_upper_half(rank, count, scene->watch, fault));
     *waiting = 0;
-    for (size_t i = 0; !err && i < count; i++)
+    for (size_t i = 0; i < count; i++)
         *waiting += pending[(uint32_t)rank[i]].label != EDIT_ERASE &&
                     (i + 1 == count || rank[i + 1] >> 32 != rank[i] >> 32);
-    return err;
+    return OK;
 }
 
 /* Reject a region that contains no voxel, or excludes a seed: a planted one, or one that a run

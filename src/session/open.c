@@ -102,15 +102,12 @@ static enum err open_synthetic(struct session *session, const char *path, struct
                          "expected synth:geom, synth:geom:XYZ with each of X, Y, Z 1 or 2, or "
                          "synth:geom:NXxNYxNZ in voxels, not %s; nothing was opened",
                          path);
-    enum err err = grid_init(&grid, size, fault);
-    if (!err)
-        err = check_memory(size, "nothing was opened", session->watch, fault);
-    if (!err && doubled == GEOM_SIZED)
-        err = scene_new_geom_of(&session->scene, size, session->watch, fault);
-    else if (!err)
-        err = scene_new_geom(&session->scene, doubled, session->watch, fault);
-    if (err)
-        return err;
+    TRY(grid_init(&grid, size, fault));
+    TRY(check_memory(size, "nothing was opened", session->watch, fault));
+    if (doubled == GEOM_SIZED)
+        TRY(scene_new_geom_of(&session->scene, size, session->watch, fault));
+    else
+        TRY(scene_new_geom(&session->scene, doubled, session->watch, fault));
     session->said = (struct geometry){.slope = 1};
     memcpy(session->said.spacing_nm, session->scene->spacing_nm, sizeof session->said.spacing_nm);
     geometry_place_spaced(&session->said);
@@ -132,27 +129,25 @@ void session_place(struct session *session, const struct kept *kept)
     scene->spacing_unknown = geometry->spacing_unknown;
 }
 
+static enum err read_volume(struct volume *volume, const char *path,
+                            const struct volume_choice *choice, struct watch *watch,
+                            struct fault *fault)
+{
+    OWNED(volume_close) struct volume_reader reader;
+    TRY(volume_open(&reader, path, choice, watch, fault));
+    TRY(check_swelling(&reader.header, path, fault));
+    TRY(check_memory(reader.header.made,
+                     "a part of it is opened with crop=A-B,C-D,E-F or reduce=2; nothing was opened",
+                     watch, fault));
+    return volume_take(volume, &reader, fault);
+}
+
 static enum err open_file(struct session *session, const char *path,
                           const struct volume_choice *choice, struct fault *fault)
 {
     OWNED(volume_release) struct volume volume = {0};
-    struct volume_reader reader;
-    enum err err = volume_open(&reader, path, choice, session->watch, fault);
-    if (!err)
-        err = check_swelling(&reader.header, path, fault);
-    if (!err)
-        err = check_memory(reader.header.made,
-                           "a part of it is opened with crop=A-B,C-D,E-F or reduce=2; nothing was "
-                           "opened",
-                           session->watch, fault);
-    if (!err)
-        err = volume_take(&volume, &reader, fault);
-    volume_close(&reader);
-    if (!err)
-        err =
-            scene_new_plain(&session->scene, volume.size, volume.intensity, session->watch, fault);
-    if (err)
-        return err;
+    TRY(read_volume(&volume, path, choice, session->watch, fault));
+    TRY(scene_new_plain(&session->scene, volume.size, volume.intensity, session->watch, fault));
     volume.intensity = NULL;
     if (volume.choice.has_crop || volume.choice.reduce) {
         session->part.choice = volume.choice;
@@ -175,15 +170,13 @@ static enum err open_file(struct session *session, const char *path,
 static enum err equip(struct session *session, struct scene *scene, struct forest **forest,
                       struct border *border, struct fault *fault)
 {
-    enum err err = forest_new(forest, scene, session->now.kept.adjacency, fault);
-    if (!err && (session->team || team_new(&session->team, team_size_wanted(), NULL) == OK))
-        err = forest_set_team(*forest, session->team, fault);
+    TRY(forest_new(forest, scene, session->now.kept.adjacency, fault));
+    if (session->team || team_new(&session->team, team_size_wanted(), NULL) == OK)
+        TRY(forest_set_team(*forest, session->team, fault));
     session->inside->weight_work.team = session->team;
-    if (!err)
-        err = border_init(border, scene, fault);
-    if (!err)
-        kept_show(&session->now.kept, border);
-    return err;
+    TRY(border_init(border, scene, fault));
+    kept_show(&session->now.kept, border);
+    return OK;
 }
 
 /* Compute weights and look at the middle of the scene. */

@@ -29,9 +29,9 @@ enum err session_count_labels(struct session *session, struct fault *fault)
 
 enum err session_count_before(struct session *session, struct fault *fault)
 {
-    enum err err = session_count_labels(session, fault);
+    TRY(session_count_labels(session, fault));
     session->former_tally = session->tally;
-    return err;
+    return OK;
 }
 
 const uint64_t *session_voxels_before_edit(const struct session *session)
@@ -105,9 +105,9 @@ enum err session_labels(struct session *session, bool finished, struct labels *l
     *labels = labels_of_forest(session->scene);
     if (!finished || !session->now.kept.finish.count)
         return OK;
-    const enum err err = session_finished(session) ? OK : make_finished(session, fault);
+    TRY(session_finished(session) ? OK : make_finished(session, fault));
     labels->finished = session->inside->finished.label;
-    return err;
+    return OK;
 }
 
 uint64_t session_finished_digest(const struct session *session)
@@ -141,11 +141,11 @@ enum err session_find_worst(struct session *session, unsigned *label, double *sh
 {
     const uint32_t *expected = session->now.kept.origin_mm3;
     const double voxel_mm3 = tally_voxel_mm3(&session->geometry);
-    const enum err err = session_count_labels(session, fault);
+    TRY(session_count_labels(session, fault));
     double worst = 0;
     *label = 0;
     *share = 1;
-    for (unsigned l = 1; !err && l < 256; l++) {
+    for (unsigned l = 1; l < 256; l++) {
         const double now = (double)session->tally.voxels[l] * voxel_mm3 / (expected[l] + 1.0);
         const double off = now > 1 ? now : 1 / (now + 1e-9);
         if (!expected[l] || off <= worst)
@@ -154,7 +154,7 @@ enum err session_find_worst(struct session *session, unsigned *label, double *sh
         *share = now;
         worst = off;
     }
-    return err;
+    return OK;
 }
 
 /* Put places at the border of the worst label first; keep the order otherwise. */
@@ -216,11 +216,11 @@ enum err session_find_hints(struct session *session, const struct hint_list **hi
         *h = (struct hinting){.cells = cells, .of = of};
     }
     const bool is_made = h->has_hints && (!heat || h->heat);
-    const enum err err = is_made ? OK : make_hints(session, heat != NULL, fault);
+    TRY(is_made ? OK : make_hints(session, heat != NULL, fault));
     *hints = &h->hints;
     if (heat)
         *heat = h->heat;
-    return err;
+    return OK;
 }
 
 /* One block of memory, allocated and freed as one. */

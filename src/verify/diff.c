@@ -546,40 +546,30 @@ static enum err compare(struct journals *j, const struct printer *printer, struc
     const struct diff_options *o = j->options;
     const struct side_work to_draw = {.context = j, .add = add_picture, .most = FRAME_MOST};
     struct buf text = {0};
-    enum err err = image_check_png(o->picture, fault);
-    if (err)
-        fault_prefix(fault, err, "--picture");
-    else
-        err = first_difference_of_files(&j->first_difference, FIRST_COMMAND, o->path, o->path,
-                                        o->side.last, fault);
-    if (!err && !o->json) {
+    TRY(fault_prefix(fault, image_check_png(o->picture, fault), "--picture"));
+    TRY(first_difference_of_files(&j->first_difference, FIRST_COMMAND, o->path, o->path,
+                                  o->side.last, fault));
+    if (!o->json) {
         write_first_difference(&text, j);
-        err = print_text(&text, printer->print, printer, fault);
+        TRY(print_text(&text, printer->print, printer, fault));
     }
-    if (!err)
-        err = side_carry_out(&j->side[1], o->path[1], &o->side, NULL, fault);
-    if (!err)
-        err =
-            side_carry_out(&j->side[0], o->path[0], &o->side, o->picture ? &to_draw : NULL, fault);
+    TRY(side_carry_out(&j->side[1], o->path[1], &o->side, NULL, fault));
+    TRY(side_carry_out(&j->side[0], o->path[0], &o->side, o->picture ? &to_draw : NULL, fault));
     const struct side_facts *a = j->side[0].facts, *b = j->side[1].facts;
-    if (!err && !same_size(a->size, b->size))
-        err = fault_set(fault, ERR_INPUT,
-                        "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
-                        "labels can be compared",
-                        a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
-    if (!err)
-        err = align(&j->side[1], a, j->side[0].labels, fault);
-    if (!err)
-        overlap_add(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
-    if (!err)
-        err = report(j, printer, fault);
-    if (!err)
-        err = write_picture(j, fault);
-    if (!err && j->overlap.differing)
-        err = fault_set(fault, ERR_CHECK, "%" PRIu64 " of %" PRIu64 " voxels %s another label",
-                        j->overlap.differing, j->overlap.voxels,
-                        j->overlap.differing == 1 ? "has" : "have");
-    return err;
+    if (!same_size(a->size, b->size))
+        return fault_set(fault, ERR_INPUT,
+                         "scenes of %ux%ux%u and %ux%ux%u voxels: expected two of one size, whose "
+                         "labels can be compared",
+                         a->size[0], a->size[1], a->size[2], b->size[0], b->size[1], b->size[2]);
+    TRY(align(&j->side[1], a, j->side[0].labels, fault));
+    overlap_add(&j->overlap, j->side[0].labels, j->side[1].labels, a->voxels);
+    TRY(report(j, printer, fault));
+    TRY(write_picture(j, fault));
+    if (j->overlap.differing)
+        return fault_set(fault, ERR_CHECK, "%" PRIu64 " of %" PRIu64 " voxels %s another label",
+                         j->overlap.differing, j->overlap.voxels,
+                         j->overlap.differing == 1 ? "has" : "have");
+    return OK;
 }
 
 enum err diff_journals(const struct diff_options *options, const struct printer *printer,
