@@ -7,6 +7,7 @@
 #include "tests/finish_fails.h"
 
 enum { LONG = 60, SHORT = 8, MOST = LONG * SHORT * SHORT, LABELS = 5 };
+enum { WIDE = 240, PLATE = WIDE * WIDE * 2 }; /* voxels of a plate, in which changes are local */
 
 DRAW_FROM(0)
 
@@ -355,6 +356,131 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
     CHECK(kept_fields > 100);
 }
 
+/* ---- fields that are updated around an edit ---- */
+
+/* A plate with two greys in stripes, bands of a label, seeds, and voxels left out. */
+static struct scene *plate_of(uint32_t size[3])
+{
+    struct scene *scene;
+    const uint32_t thin = below(3), stripe = 5 + below(40), step = below(3) ? below(30) : 0;
+    const uint32_t noise = below(3) ? 4 : 3000; /* then an edit changes the scale */
+    for (uint32_t a = 0; a < 3; a++)
+        size[a] = a == thin ? 1 + below(2) : WIDE - below(60);
+    if (scene_new(&scene, size, NULL) != OK)
+        abort();
+    for (uint32_t z = 0; z < size[2]; z++)
+        for (uint32_t y = 0; y < size[1]; y++)
+            for (uint32_t x = 0; x < size[0]; x++) {
+                struct cell *cell = &scene->cell[grid_cell(&scene->grid, x, y, z)];
+                const uint32_t at = x + 2 * y + 3 * z;
+                cell->label = at / 2 % 160 > 80;
+                cell->intensity =
+                    (uint16_t)(at / stripe % 2 * step + below(noise) + 9 * (x + y + z));
+                cell->flags = below(80) == 0 ? CELL_SEED : below(200) == 0 ? CELL_OUTSIDE : 0;
+            }
+    return scene;
+}
+
+/* Change some voxels near one place, and return a box around them. */
+static struct finish_box change_plate(struct scene *scene, uint8_t *label)
+{
+    const uint32_t *size = scene->grid.size, far = 1 + below(4), how = below(4);
+    const uint32_t at[3] = {below(size[0]), below(size[1]), below(size[2])};
+    struct finish_box box = {{at[0], at[1], at[2]}, {0}};
+    for (int a = 0; a < 3; a++)
+        box.last[a] = at[a] + far < size[a] ? at[a] + far : size[a] - 1;
+    for (uint32_t z = at[2]; z <= box.last[2]; z++)
+        for (uint32_t y = at[1]; y <= box.last[1]; y++)
+            for (uint32_t x = at[0]; x <= box.last[0]; x++) {
+                const uint32_t cell = grid_cell(&scene->grid, x, y, z);
+                if (how < 2)
+                    label[cell] = (uint8_t)how;
+                else if (below(3))
+                    scene->cell[cell].flags ^= how == 2 ? CELL_SEED : CELL_OUTSIDE;
+            }
+    return box;
+}
+
+/* Values of a stored field at a checkpoint. */
+static void values_at(int32_t u[PLATE], const struct finish_work *work,
+                      const struct relax_stored *stored, uint32_t checkpoint)
+{
+    const uint32_t *size = work->scene->grid.size;
+    struct relax_stored until = *stored;
+    struct relax_field field = {0};
+    until.checkpoints = checkpoint + 1;
+    relax_field_read(&field, work, 1, &until);
+    for (uint32_t row = 0; row < size[1] * size[2]; row++) {
+        const uint32_t y = row % size[1], z = row / size[1];
+        for (uint32_t x = 0; x < size[0]; x++)
+            u[row * size[0] + x] =
+                work->label[grid_cell(&work->scene->grid, x, y, z)] == 1 ? RELAX_ONE : 0;
+        for (struct relax_part part = {0}; relax_field_next(&field, y, z, &part);)
+            memcpy(&u[row * size[0] + part.x], part.value, part.count * sizeof *u);
+    }
+}
+
+/* All checkpoints of a field that is updated, and sometimes stopped and continued, are those of a
+ * field computed from its beginning. */
+STORY(a_field_that_is_updated_is_the_one_that_would_be_made)
+{
+    static int32_t u[2][PLATE];
+    size_t updated = 0, stopped = 0;
+    for (int round = 0; round < (int)check_scaled(24) && check_failures == 0; round++) {
+        uint32_t size[3];
+        seed = (uint64_t)round + 700;
+        const uint32_t reach = 1 + below(round % 2 ? 2 : FINISH_BAND_MOST), sweeps = 1 + below(30);
+        OWNED(scene_drop) struct scene *scene = plate_of(size);
+        const struct finish_box all = {{0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
+        const size_t cells = scene->grid.cells;
+        struct finish_work work = {.scene = scene, .label = mem_pages(cells)};
+        OWNED(relax_field_release) struct relax_field field = {0}, part = {0};
+        struct relax_stored *stored = NULL;
+        struct finish_box changed = finish_box_none();
+        for (size_t i = 0; i < cells; i++)
+            work.label[i] = scene->cell[i].label;
+        for (int edits = 0; edits < 6; edits++) {
+            int looks = (int)below(60);
+            struct watch watch = {.context = &looks, .poll = stop_after_looks, .step = 1};
+            const bool stops = below(3) == 0;
+            work.team = team_for(round);
+            scene->watch = stops ? &watch : NULL;
+            if (stored && !relax_field_update(&part, &work, 1, stored, reach, sweeps, &changed)) {
+                mem_pages_free(stored, stored->bytes);
+                stored = NULL;
+            }
+            scene->watch = NULL;
+            stopped += stored && stops && watch.stopped;
+            work.team = NULL;
+            CHECK(relax_field_begin(&field, &work, 1, &all, reach, sweeps, NULL) == OK);
+            field.room = 1 << 28;
+            relax_field_make(&field);
+            struct relax_stored *made = relax_field_store(&field, 0);
+            if (stored && finish_box_is_empty(&changed)) {
+                for (uint32_t k = 0; k < made->checkpoints; k++) {
+                    values_at(u[0], &work, stored, k);
+                    values_at(u[1], &work, made, k);
+                    CHECK_WITH(memcmp(u[0], u[1], sizeof u[0]) == 0, "round %d, edit %d, %u of %u",
+                               round, edits, k, made->checkpoints);
+                }
+                updated++;
+            }
+            if (stored) {
+                mem_pages_free(made, made->bytes);
+            } else {
+                stored = made;
+                changed = finish_box_none();
+            }
+            const struct finish_box now = change_plate(scene, work.label);
+            finish_box_include(&changed, &now);
+        }
+        mem_pages_free(stored, stored->bytes);
+        mem_pages_free(work.label, cells);
+    }
+    CHECK(updated > 30);
+    CHECK(stopped > 10);
+}
+
 /* Halves are rounded to even, so the share of all other labels is exactly the rest. */
 STORY(the_fields_of_an_object_and_of_all_else_are_complements)
 {
@@ -375,9 +501,9 @@ STORY(the_fields_of_an_object_and_of_all_else_are_complements)
             const struct finish_work work = {
                 .scene = scene, .team = team_for(round + k), .label = label};
             OWNED(relax_field_release) struct relax_field field = {0};
-            CHECK(relax_field_begin(&field, &work, (uint8_t)(k + 1), &all, FINISH_BAND_MOST,
+            CHECK(relax_field_begin(&field, &work, (uint8_t)(k + 1), &all, FINISH_BAND_MOST, 25,
                                     NULL) == OK);
-            relax_field_make(&field, 25);
+            relax_field_make(&field);
             for (int i = 0; i < v.count; i++)
                 u[k][i] = v.label[i] == k + 1 ? RELAX_ONE : 0;
             for (int row = 0; row < v.size[1] * v.size[2]; row++)

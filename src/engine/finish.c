@@ -117,6 +117,27 @@ void finish_box_include(struct finish_box *box, const struct finish_box *other)
     }
 }
 
+struct finish_box finish_box_widen(const struct finish_box *box, uint32_t by,
+                                   const struct finish_box *within)
+{
+    struct finish_box wide = *within;
+    for (int a = 0; a < 3; a++) {
+        if (box->first[a] > within->first[a] + by)
+            wide.first[a] = box->first[a] - by;
+        if (box->last[a] + by < within->last[a])
+            wide.last[a] = box->last[a] + by;
+    }
+    return wide;
+}
+
+bool finish_box_contains(const struct finish_box *box, const struct finish_box *other)
+{
+    bool contains = true;
+    for (int a = 0; a < 3; a++)
+        contains = contains && other->first[a] >= box->first[a] && other->last[a] <= box->last[a];
+    return contains;
+}
+
 struct boxing {
     const struct finish_work *work;
     const char *what;

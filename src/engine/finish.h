@@ -201,6 +201,13 @@ static inline struct finish_box finish_box_none(void)
 /* Extend a box to include another. */
 void finish_box_include(struct finish_box *box, const struct finish_box *other);
 
+/* The box that is `by` voxels larger on each side, within another, which it meets. */
+struct finish_box finish_box_widen(const struct finish_box *box, uint32_t by,
+                                   const struct finish_box *within);
+
+/* True if `other` is inside the box. */
+bool finish_box_contains(const struct finish_box *box, const struct finish_box *other);
+
 /* Find the bounding box of each label of work->label. `what` is the name of the work. ERR_MEMORY;
  * undefined if the scene's watch has stopped it. */
 enum err finish_find_boxes(struct finish_box box[256], const struct finish_work *work,

@@ -18,6 +18,7 @@ static void forget(struct relax_kept *kept, unsigned label)
 {
     struct relax_stored *field = kept->field[label];
     kept->field[label] = NULL;
+    kept->changed[label] = finish_box_none();
     if (field)
         kept->bytes -= field->bytes;
     mem_pages_free(field, field ? field->bytes : 0);
@@ -36,8 +37,8 @@ void relax_kept_release(struct relax_kept *kept)
 
 /* Result of each worker of the team. */
 struct compared {
-    bool differs[256];       /* labels whose fields may have changed */
-    struct finish_box moved; /* voxels that entered or left the region of interest */
+    struct finish_box changed[256]; /* by label: voxels that may change its field */
+    struct finish_box moved;        /* voxels that entered or left the region of interest */
 };
 
 struct comparing {
@@ -66,13 +67,15 @@ static bool is_initial_around(const struct comparing *c, unsigned label, uint32_
 }
 
 /* A voxel became a seed, or is no seed any more: mark the fields that move it. */
-static void follow_seed(const struct comparing *c, bool differs[256], bool is_seed, uint32_t at,
-                        const uint32_t p[3])
+static void follow_seed(const struct comparing *c, struct finish_box changed[256], bool is_seed,
+                        uint32_t at, const uint32_t p[3])
 {
+    const struct finish_box here = {{p[0], p[1], p[2]}, {p[0], p[1], p[2]}};
     for (unsigned label = 1; label < 256; label++)
-        if (c->kept->field[label] && !differs[label])
-            differs[label] = !relax_field_is_initial(&c->field[label], p[0], p[1], p[2]) ||
-                             (!is_seed && !is_initial_around(c, label, at, p));
+        if (c->kept->field[label] && !finish_box_contains(&changed[label], &here) &&
+            (!relax_field_is_initial(&c->field[label], p[0], p[1], p[2]) ||
+             (!is_seed && !is_initial_around(c, label, at, p))))
+            finish_box_include(&changed[label], &here);
 }
 
 static void compare_part(void *context, unsigned worker)
@@ -85,12 +88,16 @@ static void compare_part(void *context, unsigned worker)
     while (grid_walk_next(&w))
         for (uint32_t at = w.row.first; at < w.row.end; at++) {
             const uint8_t now = c->work->label[at], flags = scene->cell[at].flags & MATTERS;
+            if (now == label[at] && flags == stays[at])
+                continue;
             const uint32_t p[3] = {at - w.row.first, w.y, w.z};
             const struct finish_box here = {{p[0], p[1], p[2]}, {p[0], p[1], p[2]}};
-            if (now != label[at])
-                by->differs[now] = by->differs[label[at]] = true;
+            if (now != label[at]) {
+                finish_box_include(&by->changed[now], &here);
+                finish_box_include(&by->changed[label[at]], &here);
+            }
             if ((flags ^ stays[at]) == CELL_SEED)
-                follow_seed(c, by->differs, flags & CELL_SEED, at, p);
+                follow_seed(c, by->changed, flags & CELL_SEED, at, p);
             else if (flags != stays[at])
                 finish_box_include(&by->moved, &here);
             label[at] = now;
@@ -107,8 +114,8 @@ static bool reaches(const struct finish_box *field, const struct finish_box *box
     return meets;
 }
 
-/* Forget the fields that may have changed. False without memory. If the scene's watch stops it, the
- * rest is compared the next time. */
+/* Find where stored fields may have changed. False without memory. If the scene's watch stops it,
+ * the rest is compared the next time. */
 static bool compare(struct relax_kept *kept, const struct finish_work *work)
 {
     const unsigned workers = team_size(work->team);
@@ -120,18 +127,23 @@ static bool compare(struct relax_kept *kept, const struct finish_work *work)
     for (unsigned label = 1; label < 256; label++)
         if (kept->field[label])
             relax_field_read(&field[label], work, (uint8_t)label, kept->field[label]);
-    for (unsigned worker = 0; worker < workers; worker++)
+    for (unsigned worker = 0; worker < workers; worker++) {
         by[worker].moved = finish_box_none();
+        for (unsigned label = 0; label < 256; label++)
+            by[worker].changed[label] = finish_box_none();
+    }
     team_run(work->team, compare_part, &c);
     for (unsigned worker = 0; worker < workers; worker++)
-        for (unsigned label = 1; label < 256; label++)
-            if (by[worker].differs[label] || reaches(&field[label].box, &by[worker].moved))
-                forget(kept, label);
+        for (unsigned label = 1; label < 256; label++) {
+            finish_box_include(&kept->changed[label], &by[worker].changed[label]);
+            if (reaches(&field[label].box, &by[worker].moved))
+                finish_box_include(&kept->changed[label], &by[worker].moved);
+        }
     return true;
 }
 
-/* Forget the fields that may differ for these labels and this scene. Without memory all are
- * forgotten and none is stored; if the scene's watch stops it, the next call continues. */
+/* Find where stored fields differ for these labels and this scene. Without memory all are forgotten
+ * and none is stored; if the scene's watch stops it, the next call continues. */
 static void follow_labels(struct relax_kept *kept, const struct finish_work *work, uint32_t sweeps,
                           uint32_t reach)
 {
@@ -144,13 +156,15 @@ static void follow_labels(struct relax_kept *kept, const struct finish_work *wor
                                     .stays = mem_pages(cells),
                                     .sweeps = sweeps,
                                     .reach = reach};
+        for (unsigned label = 0; label < 256; label++)
+            forget(kept, label);
     }
     if (!kept->label || !kept->stays || !compare(kept, work))
         relax_kept_release(kept);
 }
 
 /* Store a field, if there is room. */
-static void keep_field(struct relax_kept *kept, const struct relax_field *field)
+static void keep_field(struct relax_kept *kept, struct relax_field *field)
 {
     if (!kept->cells || kept->field[field->which])
         return;
@@ -169,9 +183,10 @@ struct item {
 
 struct relaxing {
     const struct finish_work *work;
+    struct relax_kept *kept; /* or NULL */
     uint32_t sweeps, reach;
-    struct finish_box box[256];
-    struct item item[255]; /* largest first */
+    struct finish_box box[256]; /* boxes of fields; empty for a label without voxels */
+    struct item item[255];      /* largest first */
     size_t count;
     struct relax_field field[TEAM_MOST];
     unsigned fields; /* being computed */
@@ -187,13 +202,16 @@ static int compare_items(const void *a, const void *b)
 static enum err list_labels(struct relaxing *r, unsigned of, struct fault *fault)
 {
     const enum err err = finish_find_boxes(r->box, r->work, "relaxed labels", fault);
+    const uint32_t *size = r->work->scene->grid.size;
+    const struct finish_box all = {{0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
     for (unsigned label = 1; label < 256; label++) {
-        const struct finish_box *box = &r->box[label];
+        struct finish_box *box = &r->box[label];
         uint64_t voxels = 1;
         if (finish_box_is_empty(box) || (of != FINISH_ALL_LABELS && of != label))
             continue;
         for (int a = 0; a < 3; a++)
             voxels *= box->last[a] - box->first[a] + 1;
+        *box = finish_box_widen(box, r->reach, &all);
         r->item[r->count++] = (struct item){(uint8_t)label, voxels};
     }
     qsort(r->item, r->count, sizeof *r->item, compare_items);
@@ -204,7 +222,7 @@ static void make_one(void *context, unsigned worker)
 {
     struct relaxing *r = context;
     if (worker < r->fields)
-        relax_field_make(&r->field[worker], r->sweeps);
+        relax_field_make(&r->field[worker]);
 }
 
 static enum err make_fields(struct relaxing *r, size_t first, struct fault *fault)
@@ -223,28 +241,46 @@ static enum err make_fields(struct relaxing *r, size_t first, struct fault *faul
     work.team = r->fields == 1 ? r->work->team : NULL;
     for (unsigned i = 0; i < r->fields && !err; i++) {
         const uint8_t label = r->item[first + i].label;
-        err = relax_field_begin(&r->field[i], &work, label, &r->box[label], r->reach, fault);
+        err = relax_field_begin(&r->field[i], &work, label, &r->box[label], r->reach, r->sweeps,
+                                fault);
         r->field[i].shows = r->fields == 1;
+        if (r->fields == 1 && r->kept && r->kept->bytes < r->kept->most / 2)
+            r->field[i].room = r->kept->most / 2 - r->kept->bytes;
         r->field[i].worker = i;
     }
     if (err)
         return err;
     if (r->fields == 1)
-        relax_field_make(&r->field[0], r->sweeps);
+        relax_field_make(&r->field[0]);
     else
         team_run(r->work->team, make_one, r);
     return watch_fault(r->work->scene->watch, fault);
 }
 
+/* Update a stored field, or forget it if it has to be recomputed. */
+static void update_field(struct relaxing *r, unsigned label)
+{
+    struct relax_kept *kept = r->kept;
+    struct relax_stored *stored = kept->field[label];
+    if (stored && !finish_box_is_empty(&kept->changed[label]) &&
+        !(stored->is_updatable && !finish_box_is_empty(&r->box[label]) &&
+          finish_box_contains(&stored->box, &r->box[label]) &&
+          relax_field_update(&r->field[0], r->work, (uint8_t)label, stored, r->reach, r->sweeps,
+                             &kept->changed[label])))
+        forget(kept, label);
+}
+
 /* Pass stored fields to `see` and remove them from the list. */
-static void see_kept(struct relaxing *r, relax_see *see, void *context)
+static enum err see_kept(struct relaxing *r, relax_see *see, void *context, struct fault *fault)
 {
     const struct finish_work *work = r->work;
-    struct relax_field field = {0};
     size_t left = 0;
+    for (unsigned label = 1; label < 256; label++)
+        update_field(r, label);
     for (size_t i = 0; i < r->count; i++) {
+        struct relax_field field = {0};
         const struct item item = r->item[i];
-        const struct relax_stored *stored = work->kept->field[item.label];
+        const struct relax_stored *stored = r->kept->field[item.label];
         if (stored) {
             relax_field_read(&field, work, item.label, stored);
             see(context, &field);
@@ -253,6 +289,7 @@ static void see_kept(struct relaxing *r, relax_see *see, void *context)
         }
     }
     r->count = left;
+    return watch_fault(work->scene->watch, fault);
 }
 
 enum err relax_each(const struct finish_work *work, unsigned label, uint32_t sweeps, uint32_t reach,
@@ -266,12 +303,13 @@ enum err relax_each(const struct finish_work *work, unsigned label, uint32_t swe
     r->sweeps = sweeps;
     r->reach = reach;
     enum err err = list_labels(r, label, fault);
-    /* A single field changes with each edit, so it is not stored. */
-    struct relax_kept *kept = label == FINISH_ALL_LABELS && r->count > 1 ? work->kept : NULL;
-    if (!err && kept)
+    struct relax_kept *kept = label == FINISH_ALL_LABELS ? work->kept : NULL;
+    if (!err && kept) {
         follow_labels(kept, work, sweeps, reach);
-    if (!err && kept)
-        see_kept(r, see, context);
+        r->kept = kept->cells ? kept : NULL;
+    }
+    if (!err && r->kept)
+        err = see_kept(r, see, context, fault);
     for (size_t i = 0; !err && i < r->count; i += r->fields) {
         err = make_fields(r, i, fault);
         for (unsigned n = 0; !err && n < r->fields; n++) {

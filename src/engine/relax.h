@@ -1,15 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Stored fields of relaxation: after an edit, only the fields that it may have changed are
- * recomputed.
+ * recomputed, and large ones only around the edit.
  *
  * A field depends on the voxels of its label, on the seeds and the region of interest in its box
  * and next to it, on the intensities there, and on the numbers of sweeps and steps. All of these
  * are stored and compared, so edits need not report their changes, and a stored field equals the
  * one that would be computed.
  *
+ * A change spreads one voxel with each half-sweep, but most of it vanishes by rounding. So the
+ * values of large fields are stored after each RELAX_CHECKPOINT half-sweeps: each group of
+ * half-sweeps is repeated where its first values differ from before and as far as they can spread,
+ * and the result is compared with the stored one. If an edit changes the scale of intensities or
+ * half of the box, the field is recomputed.
+ *
  * Only chunks that may have moved are stored (relax_field_next). All fields together use at most as
- * much memory as the scene's cells; fields beyond that are recomputed each time.
+ * much memory as the scene's cells, and those with checkpoints half of it; fields beyond that are
+ * recomputed each time.
  */
 #ifndef ENGINE_RELAX_H
 #define ENGINE_RELAX_H
@@ -28,7 +35,7 @@
  * Sets of voxels, and of chunks, are bits of 64-bit words.
  */
 
-enum { RELAX_ONE = 1 << 20, RELAX_CHUNK = 16 };
+enum { RELAX_ONE = 1 << 20, RELAX_CHUNK = 16, RELAX_CHECKPOINT = 16 };
 
 /* {0} has no memory yet; its memory is reused for one field after another. */
 struct relax_field {
@@ -39,8 +46,11 @@ struct relax_field {
     unsigned
         worker; /* number of the team's first thread; not 0 if fields are computed in parallel */
     bool shows; /* show the result between sweeps, if the watch wants to */
-    uint32_t scale; /* 2^16 greys for a difference of one intensity */
-    uint32_t reach; /* steps from the border to the last voxels that move, 1..FINISH_BAND_MOST */
+    uint32_t scale;  /* 2^16 greys for a difference of one intensity */
+    uint32_t reach;  /* steps from the border to the last voxels that move, 1..FINISH_BAND_MOST */
+    uint32_t halves; /* half-sweeps */
+    size_t room;     /* bytes for `store`; 0: none is made */
+    struct relax_stored *store; /* values at checkpoints, or NULL */
     struct finish_box box;
     uint32_t size[3];   /* size of the box */
     size_t rows;        /* stored rows: those of the box, and a rim */
@@ -64,24 +74,29 @@ struct relax_field {
     const struct relax_stored *stored; /* source of a stored field, or NULL */
 };
 
-/* A stored field, followed by its data: bits of chunks that may have moved, their number before
- * each row, and their values, even voxels first. */
+/* A stored field, followed by its data. */
 struct relax_stored {
     size_t bytes;
     struct finish_box box;
-    uint64_t *known;  /* [rows][chunk_words] */
-    uint32_t *before; /* [rows] */
-    int32_t (*value)[RELAX_CHUNK];
+    uint32_t scale;
+    bool is_updatable;        /* all checkpoints and the band are stored */
+    uint32_t checkpoints;     /* the last is the end */
+    uint32_t count, capacity; /* stored chunks, and the most there can be */
+    uint64_t *band;           /* [rows][words] */
+    uint32_t *slot;           /* [rows][chunks]: 1 + the chunk's place; 0: its values are initial */
+    int32_t (*value)[RELAX_CHUNK]; /* [checkpoints][capacity]: even voxels first */
 };
 
-/* Allocate the field of a label inside the box `around`. On ERR_MEMORY it has no memory. */
+/* Allocate the field of a label in a box: its bounding box, `reach` voxels larger on each side
+ * within the scene. Each sweep moves even voxels, then odd ones. On ERR_MEMORY the field has no
+ * memory. */
 enum err relax_field_begin(struct relax_field *field, const struct finish_work *work, uint8_t which,
-                           const struct finish_box *around, uint32_t reach, struct fault *fault);
+                           const struct finish_box *box, uint32_t reach, uint32_t sweeps,
+                           struct fault *fault);
 void relax_field_release(struct relax_field *field);
 
-/* Compute the field, with `sweeps` sweeps: each moves even voxels, then odd ones; by the
- * field's team. Undefined if the scene's watch has stopped it. */
-void relax_field_make(struct relax_field *field, uint32_t sweeps);
+/* Compute the field, by its team. Undefined if the scene's watch has stopped it. */
+void relax_field_make(struct relax_field *field);
 
 /* Consecutive voxels of a row: value[i] is that of x + i, from the first corner. */
 struct relax_part {
@@ -95,11 +110,21 @@ struct relax_part {
 bool relax_field_next(const struct relax_field *field, uint32_t y, uint32_t z,
                       struct relax_part *part);
 
-/* Store a field in at most `most` bytes, to be freed by mem_pages_free; NULL without memory, or if
- * it needs more. relax_field_read makes a stored field readable. */
-struct relax_stored *relax_field_store(const struct relax_field *field, size_t most);
+/* Return the field's `store`, or a new one of at most `most` bytes with the end alone; to be freed
+ * by mem_pages_free. NULL without memory, or if it needs more. relax_field_read makes a stored
+ * field readable. */
+struct relax_stored *relax_field_store(struct relax_field *field, size_t most);
 void relax_field_read(struct relax_field *field, const struct finish_work *work, uint8_t which,
                       const struct relax_stored *stored);
+
+/* Update a stored field that is updatable and whose box still contains the label's. `changed`
+ * contains the voxels whose label has changed, and those that have become or ceased to be seeds or
+ * part of the region of interest. It is empty afterwards; if the scene's watch stops the update, it
+ * is the box to continue with. False if the field has to be recomputed. `part` is undefined
+ * afterwards. */
+bool relax_field_update(struct relax_field *part, const struct finish_work *work, uint8_t which,
+                        struct relax_stored *stored, uint32_t reach, uint32_t sweeps,
+                        struct finish_box *changed);
 
 /* True if a voxel of the scene was never visited: its value is the initial one, and would be if it
  * were a seed. */
@@ -111,6 +136,7 @@ struct relax_kept {
     uint8_t *label, *stays;    /* [cells]: labels of the fields; relevant flags of cells */
     uint32_t sweeps, reach;
     struct relax_stored *field[256]; /* NULL: not stored */
+    struct finish_box changed[256];  /* changed voxels that stored fields do not follow yet */
 };
 
 size_t relax_kept_memory(const struct relax_kept *kept);

@@ -61,14 +61,19 @@ static uint64_t which_of_eight(const uint8_t label[8], uint8_t which)
     return same * UINT64_C(0x0102040810204080) >> 56;
 }
 
+/* The bits first..end - 1 of a set, of one of its words. */
+static uint64_t bits_between(size_t first, size_t end, size_t word)
+{
+    const size_t from = 64 * word, low = first > from ? first - from : 0;
+    const size_t high = end > from ? end - from : 0;
+    const uint64_t before_high = high < 64 ? (UINT64_C(1) << high) - 1 : UINT64_MAX;
+    return low < 64 ? before_high & UINT64_MAX << low : 0;
+}
+
 /* The bits of a word that are voxels of the row. */
 static uint64_t voxels_of(const struct relax_field *f, size_t word)
 {
-    const size_t end = (size_t)f->size[0] + 2, first = 64 * word;
-    const uint64_t before_end = end >= first + 64 ? UINT64_MAX
-                                : end > first     ? (UINT64_C(1) << (end - first)) - 1
-                                                  : 0;
-    return word ? before_end : before_end & ~UINT64_C(3);
+    return bits_between(2, (size_t)f->size[0] + 2, word);
 }
 
 /* Fill a row of bits of the label. A voxel outside the box repeats the nearest one inside, so that
@@ -158,6 +163,16 @@ static void find_chunks(const struct relax_field *f, uint64_t *chunks, const uin
             of_row[c / 64] |= (uint64_t)((bits_of(f, set, row, c) & mask) != 0) << c % 64;
 }
 
+/* Assign a chunk its initial values. */
+static void fill_chunk(const struct relax_field *f, unsigned parity, bool odd, size_t row,
+                       size_t chunk)
+{
+    static const lanes bit = {1, 4, 16, 64, 256, 1024, 4096, 16384};
+    const int32_t inside = (int32_t)(bits_of(f, f->inside, row, chunk) >> odd);
+    const lanes value = ((inside & bit) != 0) & RELAX_ONE;
+    memcpy(f->u[parity] + (row * f->words * WORD_CHUNKS + chunk) * LANES, &value, sizeof value);
+}
+
 static void fill_row(const struct relax_field *f, uint32_t y, uint32_t z)
 {
     const size_t row = row_of(f, y, z);
@@ -165,14 +180,8 @@ static void fill_row(const struct relax_field *f, uint32_t y, uint32_t z)
         const bool odd = is_odd(f, parity, y, z);
         find_chunks(f, f->may[parity], f->band, odd ? ODD : EVEN, row);
         for (size_t c = 0; c < f->words * WORD_CHUNKS; c++)
-            if (bits_of(f, f->near, row, c)) {
-                /* Fill the values of the chunk. */
-                static const lanes bit = {1, 4, 16, 64, 256, 1024, 4096, 16384};
-                const int32_t inside = (int32_t)(bits_of(f, f->inside, row, c) >> odd);
-                const lanes value = ((inside & bit) != 0) & RELAX_ONE;
-                memcpy(f->u[parity] + (row * f->words * WORD_CHUNKS + c) * LANES, &value,
-                       sizeof value);
-            }
+            if (bits_of(f, f->near, row, c))
+                fill_chunk(f, parity, odd, row, c);
     }
 }
 
@@ -457,16 +466,14 @@ static uint32_t move_some_rows(struct relax_field *f, unsigned parity, uint32_t 
 }
 
 /*
- * Several half-sweeps are done at a time, while the data are in the cache: half-sweep h of a row
- * follows once h - 1 is done in the adjacent rows, and h + 1 in none of them. So rows are processed
- * in the order of y + h, a few at a time, then of z + h, then of h.
+ * Several half-sweeps, at most RELAX_CHECKPOINT, are done at a time, while the data are in the
+ * cache: half-sweep h of a row follows once h - 1 is done in the adjacent rows, and h + 1 in none
+ * of them. So rows are processed in the order of y + h, a few at a time, then of z + h, then of h.
  *
  * Each worker has a slab of planes. First it does the work that needs its slab alone, one plane
  * less at both ends with each half-sweep; then, when all have done so, the rest around its last
  * plane.
  */
-enum { HALVES_AT_ONCE = 16 };
-
 struct sweeping {
     struct relax_field *field;
     uint32_t first, end, halves; /* half-sweeps; and their total number */
@@ -541,35 +548,143 @@ static void sweep_part(void *context, unsigned worker)
         sweep_region(s, (struct region){end, 0, end, 2}, &task);
 }
 
-void relax_field_make(struct relax_field *f, uint32_t sweeps)
+/* ---- storing ---- */
+
+static uint32_t checkpoints_of(const struct relax_field *f)
+{
+    return (f->halves + RELAX_CHECKPOINT - 1) / RELAX_CHECKPOINT;
+}
+
+/* First half-sweep after a checkpoint. */
+static uint32_t half_after(const struct relax_field *f, uint32_t checkpoint)
+{
+    const uint32_t half = (checkpoint + 1) * RELAX_CHECKPOINT;
+    return half < f->halves ? half : f->halves;
+}
+
+static size_t chunk_at(const struct relax_field *f, uint32_t x)
+{
+    return (x - f->box.first[0] + 2) / RELAX_CHUNK;
+}
+
+/* Values of a stored chunk at a checkpoint, even voxels first. */
+static int32_t *stored_at(const struct relax_stored *s, uint32_t checkpoint, size_t chunk)
+{
+    return s->value[(size_t)checkpoint * s->capacity + s->slot[chunk] - 1];
+}
+
+/* Allocate a stored field of at most `most` bytes, or NULL: with all checkpoints, for all chunks of
+ * the band; or with the end alone, for chunks that may have moved. */
+static struct relax_stored *store_new(const struct relax_field *f, bool all, size_t most)
+{
+    const size_t chunks = f->words * WORD_CHUNKS, rows = f->rows;
+    const size_t band = all ? rows * f->words * sizeof *f->band : 0;
+    const uint32_t checkpoints = all ? checkpoints_of(f) : 1;
+    uint64_t *const *const of = all ? f->may : f->known;
+    size_t count = 0;
+    for (uint32_t z = 0; z < f->size[2] && most; z++)
+        for (size_t w = row_of(f, 0, z) * f->chunk_words;
+             w < row_of(f, f->size[1], z) * f->chunk_words; w++)
+            count += (size_t)__builtin_popcountll(of[0][w] | of[1][w]);
+    const size_t capacity = all ? count + count / 8 + 64 : count; /* updates add some */
+    const size_t bytes = sizeof(struct relax_stored) + band + rows * chunks * sizeof(uint32_t) +
+                         checkpoints * capacity * sizeof(int32_t[RELAX_CHUNK]);
+    struct relax_stored *s = bytes <= most ? mem_pages(bytes) : NULL;
+    if (!s)
+        return NULL;
+    *s = (struct relax_stored){.bytes = bytes,
+                               .box = f->box,
+                               .scale = f->scale,
+                               .checkpoints = checkpoints,
+                               .is_updatable = all,
+                               .capacity = (uint32_t)capacity};
+    s->band = (uint64_t *)(s + 1);
+    s->slot = (uint32_t *)(s->band + band / sizeof *s->band);
+    s->value = (int32_t(*)[RELAX_CHUNK])(s->slot + rows * chunks);
+    memcpy(s->band, f->band, band);
+    for (uint32_t z = 0; z < f->size[2]; z++)
+        for (size_t row = row_of(f, 0, z); row < row_of(f, f->size[1], z); row++)
+            for (size_t w = row * f->chunk_words; w < (row + 1) * f->chunk_words; w++)
+                for (uint64_t some = of[0][w] | of[1][w]; some; some &= some - 1)
+                    s->slot[row * chunks + 64 * (w - row * f->chunk_words) +
+                            (unsigned)__builtin_ctzll(some)] = ++s->count;
+    return s;
+}
+
+/* Copy the values of a chunk out of a field, or into it; even voxels first. */
+static void copy_values(const struct relax_field *f, size_t chunk, int32_t value[RELAX_CHUNK],
+                        bool out)
+{
+    for (unsigned parity = 0; parity < 2; parity++) {
+        int32_t *u = f->u[parity] + chunk * LANES, *stored = value + parity * LANES;
+        memcpy(out ? stored : u, out ? u : stored, LANES * sizeof *u);
+    }
+}
+
+static void store_values(const struct relax_field *f, struct relax_stored *s, uint32_t checkpoint)
+{
+    const size_t chunks = f->words * WORD_CHUNKS;
+    for (size_t at = row_of(f, 0, 0) * chunks; at < row_of(f, 0, f->size[2]) * chunks; at++)
+        if (s->slot[at])
+            copy_values(f, at, stored_at(s, checkpoint, at), true);
+}
+
+struct relax_stored *relax_field_store(struct relax_field *f, size_t most)
+{
+    struct relax_stored *s = f->store ? f->store : store_new(f, false, most);
+    if (s && !f->store)
+        store_values(f, s, 0);
+    f->store = NULL;
+    return s;
+}
+
+/* Do half-sweeps first..end - 1, and show the result after each group of them if `shows`. */
+static void sweep(struct relax_field *f, uint32_t first, uint32_t end)
 {
     struct watch *watch = f->scene->watch;
-    struct sweeping sweeping = {.field = f, .halves = 2 * sweeps};
+    struct sweeping sweeping = {.field = f, .first = first, .halves = f->halves};
     const uint32_t fit = f->size[2] / (2 * team_size(f->team));
-    const uint32_t most = fit < HALVES_AT_ONCE ? fit : HALVES_AT_ONCE, halves = most ? most : 1;
-    team_run(f->team, make_part, f);
-    if (watch && watch->stopped) /* the field may be incomplete */
-        return;
-    /* Scale the intensities of the band, without 2 % at each end, to 255 greys. */
-    int32_t range[2];
-    memset(f->count, 0, (UINT16_MAX + 1) * sizeof *f->count);
-    for (uint32_t z = 0; z < f->size[2]; z++)
-        for (uint32_t y = 0; y < f->size[1]; y++) {
-            const uint64_t *band = f->band + row_of(f, y, z) * f->words;
-            const struct cell *row = f->scene->cell + first_cell(f, y, z) - 2;
-            for (size_t w = 0; w < f->words; w++)
-                for (uint64_t bits = band[w]; bits; bits &= bits - 1)
-                    f->count[row[64 * w + (unsigned)__builtin_ctzll(bits)].intensity]++;
-        }
-    intensities_range(range, f->count, 20, 980);
-    f->scale = (255U << 16) / (range[1] > range[0] ? (uint32_t)(range[1] - range[0]) : 1);
-    for (; sweeping.first < sweeping.halves; sweeping.first = sweeping.end) {
-        const uint32_t left = sweeping.halves - sweeping.first;
+    const uint32_t most = fit < RELAX_CHECKPOINT ? fit : RELAX_CHECKPOINT, halves = most ? most : 1;
+    for (; sweeping.first < end; sweeping.first = sweeping.end) {
+        const uint32_t left = end - sweeping.first;
         sweeping.end = sweeping.first + (left < halves ? left : halves);
         divide_rows(&sweeping, halves);
         team_run(f->team, sweep_part, &sweeping);
         if (f->shows && watch_wants_show(watch) && !watch->ignores_stop)
             watch_show(watch);
+    }
+}
+
+/* Scale of intensities: those of the band, without 2 % at each end, to 255 greys. `count` [65536]
+ * is overwritten. */
+static uint32_t find_scale(const struct relax_field *f, const uint64_t *band, uint32_t *count)
+{
+    int32_t range[2];
+    memset(count, 0, (UINT16_MAX + 1) * sizeof *count);
+    for (uint32_t z = 0; z < f->size[2]; z++)
+        for (uint32_t y = 0; y < f->size[1]; y++) {
+            const uint64_t *of_row = band + row_of(f, y, z) * f->words;
+            const struct cell *row = f->scene->cell + first_cell(f, y, z) - 2;
+            for (size_t w = 0; w < f->words; w++)
+                for (uint64_t bits = of_row[w]; bits; bits &= bits - 1)
+                    count[row[64 * w + (unsigned)__builtin_ctzll(bits)].intensity]++;
+        }
+    intensities_range(range, count, 20, 980);
+    return (255U << 16) / (range[1] > range[0] ? (uint32_t)(range[1] - range[0]) : 1);
+}
+
+void relax_field_make(struct relax_field *f)
+{
+    const struct watch *watch = f->scene->watch;
+    team_run(f->team, make_part, f);
+    if (watch && watch->stopped) /* the field may be incomplete */
+        return;
+    f->scale = find_scale(f, f->band, f->count);
+    f->store = store_new(f, true, f->room);
+    for (uint32_t k = 0; k < checkpoints_of(f); k++) {
+        sweep(f, k * RELAX_CHECKPOINT, half_after(f, k));
+        if (f->store)
+            store_values(f, f->store, k);
     }
 }
 
@@ -613,6 +728,7 @@ static size_t lay_out(struct relax_field *f)
 static void shape(struct relax_field *f, const struct finish_work *work, uint8_t which,
                   struct finish_box box)
 {
+    mem_pages_free(f->store, f->store ? f->store->bytes : 0);
     *f = (struct relax_field){.scene = work->scene,
                               .label = work->label,
                               .which = which,
@@ -635,18 +751,12 @@ void relax_field_read(struct relax_field *f, const struct finish_work *work, uin
 }
 
 enum err relax_field_begin(struct relax_field *f, const struct finish_work *work, uint8_t which,
-                           const struct finish_box *around, uint32_t reach, struct fault *fault)
+                           const struct finish_box *box, uint32_t reach, uint32_t sweeps,
+                           struct fault *fault)
 {
-    /* The field's box is `reach` voxels larger than the label's on each side, within the scene. */
-    struct finish_box box;
-    for (int a = 0; a < 3; a++) {
-        const uint32_t first = around->first[a], last = around->last[a],
-                       end = work->scene->grid.size[a] - 1;
-        box.first[a] = first > reach ? first - reach : 0;
-        box.last[a] = end - last > reach ? last + reach : end;
-    }
-    shape(f, work, which, box);
+    shape(f, work, which, *box);
     f->reach = reach;
+    f->halves = 2 * sweeps;
     const size_t bytes = lay_out(f);
     if (bytes > f->bytes) {
         relax_field_release(f);
@@ -659,17 +769,21 @@ enum err relax_field_begin(struct relax_field *f, const struct finish_work *work
 
 void relax_field_release(struct relax_field *f)
 {
+    mem_pages_free(f->store, f->store ? f->store->bytes : 0);
     mem_pages_free(f->memory, f->bytes);
+    f->store = NULL;
     f->memory = NULL;
     f->bytes = 0;
 }
 
-/* ---- storing ---- */
+/* ---- reading ---- */
 
-/* Chunks of a word that may have moved. */
-static uint64_t known_at(const struct relax_field *f, size_t word)
+/* True if a chunk may have moved: its values are listed. */
+static bool may_have_moved(const struct relax_field *f, size_t row, size_t chunk)
 {
-    return f->stored ? f->stored->known[word] : f->known[0][word] | f->known[1][word];
+    const size_t word = row * f->chunk_words + chunk / 64;
+    return f->stored ? f->stored->slot[row * f->words * WORD_CHUNKS + chunk] != 0
+                     : (f->known[0][word] | f->known[1][word]) >> chunk % 64 & 1;
 }
 
 bool relax_field_is_initial(const struct relax_field *f, uint32_t x, uint32_t y, uint32_t z)
@@ -678,66 +792,14 @@ bool relax_field_is_initial(const struct relax_field *f, uint32_t x, uint32_t y,
     for (int a = 0; a < 3; a++)
         if (at[a] < f->box.first[a] || at[a] > f->box.last[a])
             return true;
-    const size_t chunk = (x - f->box.first[0] + 2) / RELAX_CHUNK;
-    const size_t row = row_of(f, y - f->box.first[1], z - f->box.first[2]);
-    return !(known_at(f, row * f->chunk_words + chunk / 64) >> chunk % 64 & 1);
-}
-
-struct relax_stored *relax_field_store(const struct relax_field *f, size_t most)
-{
-    const size_t chunks = f->words * WORD_CHUNKS, words = f->rows * f->chunk_words;
-    uint32_t count = 0;
-    for (size_t word = 0; word < words; word++)
-        count += (uint32_t)__builtin_popcountll(known_at(f, word));
-    const size_t bytes = sizeof(struct relax_stored) + words * sizeof(uint64_t) +
-                         f->rows * sizeof(uint32_t) + count * sizeof(int32_t[RELAX_CHUNK]);
-    struct relax_stored *stored = bytes <= most ? mem_pages(bytes) : NULL;
-    if (!stored)
-        return NULL;
-    count = 0;
-    stored->bytes = bytes;
-    stored->box = f->box;
-    stored->known = (uint64_t *)(stored + 1);
-    stored->before = (uint32_t *)(stored->known + words);
-    stored->value = (int32_t(*)[RELAX_CHUNK])(stored->before + f->rows);
-    for (size_t row = 0; row < f->rows; row++) {
-        stored->before[row] = count;
-        for (size_t w = 0; w < f->chunk_words; w++) {
-            uint64_t known = known_at(f, row * f->chunk_words + w);
-            stored->known[row * f->chunk_words + w] = known;
-            for (; known; known &= known - 1) {
-                const size_t chunk = 64 * w + (unsigned)__builtin_ctzll(known);
-                int32_t *value = stored->value[count++];
-                for (unsigned parity = 0; parity < 2; parity++)
-                    memcpy(value + parity * LANES, f->u[parity] + (row * chunks + chunk) * LANES,
-                           LANES * sizeof *value);
-            }
-        }
-    }
-    return stored;
-}
-
-/* ---- reading ---- */
-
-/* Values of a chunk that may have moved, of one parity. */
-static const int32_t *values_of(const struct relax_field *f, unsigned parity, size_t row,
-                                size_t chunk)
-{
-    if (!f->stored)
-        return f->u[parity] + (row * f->words * WORD_CHUNKS + chunk) * LANES;
-    const uint64_t *known = f->stored->known + row * f->chunk_words;
-    size_t at = f->stored->before[row];
-    for (size_t w = 0; w < chunk / 64; w++)
-        at += (size_t)__builtin_popcountll(known[w]);
-    at += (size_t)__builtin_popcountll(known[chunk / 64] & ((UINT64_C(1) << chunk % 64) - 1));
-    return f->stored->value[at] + parity * LANES;
+    return !may_have_moved(f, row_of(f, y - f->box.first[1], z - f->box.first[2]), chunk_at(f, x));
 }
 
 bool relax_field_next(const struct relax_field *f, uint32_t y, uint32_t z, struct relax_part *part)
 {
     const size_t row = row_of(f, y, z), chunks = f->words * WORD_CHUNKS;
     for (size_t c = part->chunk; c < chunks; c++) {
-        if (!(known_at(f, row * f->chunk_words + c / 64) >> c % 64 & 1))
+        if (!may_have_moved(f, row, c))
             continue;
         const size_t skipped = c ? 0 : 2;
         const size_t x = c * RELAX_CHUNK + skipped - 2, left = f->size[0] - x;
@@ -746,11 +808,219 @@ bool relax_field_next(const struct relax_field *f, uint32_t y, uint32_t z, struc
         part->count = (uint32_t)(left < RELAX_CHUNK - skipped ? left : RELAX_CHUNK - skipped);
         for (unsigned parity = 0; parity < 2; parity++) {
             const bool odd = is_odd(f, parity, y, z);
-            const int32_t *value = values_of(f, parity, row, c);
+            const struct relax_stored *stored = f->stored;
+            const int32_t *value =
+                stored
+                    ? stored_at(stored, stored->checkpoints - 1, row * chunks + c) + parity * LANES
+                    : f->u[parity] + (row * chunks + c) * LANES;
             for (size_t lane = skipped / 2; lane < LANES; lane++)
                 part->value[2 * lane + odd - skipped] = value[lane];
         }
         return true;
     }
     return false;
+}
+
+/* ---- updating ---- */
+
+/*
+ * The stored field, `whole`, is recomputed around the differences, as a field of its own, `part`. A
+ * difference spreads one step along an axis with each half-sweep, and so do wrong values from the
+ * border of the part. So values are stored as many steps around the differences as there are
+ * half-sweeps in a group, computed in twice as many, and the next group begins with stored values.
+ */
+struct updating {
+    struct relax_stored *stored;
+    struct relax_field whole, *part;
+    uint32_t checkpoint;
+    struct finish_box differs; /* voxels whose values, band or weights may differ from before */
+};
+
+/* A chunk in both: its row, its place in the row, and its index among all chunks. */
+struct twin {
+    size_t row, chunk, at, part_row, part_chunk, part_at;
+    uint32_t y, z; /* in the part */
+};
+
+typedef bool visit_twin(struct updating *u, const struct twin *twin);
+
+static uint32_t distance(const struct finish_box *box, int a, uint32_t at)
+{
+    return at < box->first[a] ? box->first[a] - at : at > box->last[a] ? at - box->last[a] : 0;
+}
+
+/* Visit the chunks of the part with voxels at most `steps` from a box, until a visit returns
+ * false. */
+static bool visit_twins(struct updating *u, const struct finish_box *box, uint32_t steps,
+                        visit_twin *visit)
+{
+    const struct relax_field *whole = &u->whole, *part = u->part;
+    const uint32_t *from = whole->box.first, *own = part->box.first;
+    const size_t shift = (own[0] - from[0]) / RELAX_CHUNK;
+    const struct finish_box near = finish_box_widen(box, steps, &part->box);
+    bool goes_on = true;
+    for (uint32_t z = near.first[2]; z <= near.last[2]; z++)
+        for (uint32_t y = near.first[1]; y <= near.last[1]; y++) {
+            const uint32_t away = distance(box, 1, y) + distance(box, 2, z);
+            if (away > steps)
+                continue;
+            const struct finish_box row = finish_box_widen(box, steps - away, &part->box);
+            struct twin t = {.row = row_of(whole, y - from[1], z - from[2]),
+                             .part_row = row_of(part, y - own[1], z - own[2]),
+                             .chunk = chunk_at(whole, row.first[0]),
+                             .y = y - own[1],
+                             .z = z - own[2]};
+            for (; goes_on && t.chunk <= chunk_at(whole, row.last[0]); t.chunk++) {
+                t.part_chunk = t.chunk - shift;
+                t.at = t.row * whole->words * WORD_CHUNKS + t.chunk;
+                t.part_at = t.part_row * part->words * WORD_CHUNKS + t.part_chunk;
+                goes_on = visit(u, &t);
+            }
+        }
+    return goes_on;
+}
+
+/* Store the band of a chunk, and give it initial values at all checkpoints if it is new in the
+ * band. False if there is no room. */
+static bool define_twin(struct updating *u, const struct twin *t)
+{
+    struct relax_stored *s = u->stored;
+    struct relax_field *part = u->part;
+    uint64_t *word = &s->band[t->row * u->whole.words + t->chunk / WORD_CHUNKS];
+    const unsigned shift = t->chunk % WORD_CHUNKS * RELAX_CHUNK;
+    const uint64_t bits = bits_of(part, part->band, t->part_row, t->part_chunk);
+    *word = (*word & ~(UINT64_C(0xffff) << shift)) | bits << shift;
+    if (!bits && !s->slot[t->at])
+        return true;
+    for (unsigned parity = 0; parity < 2; parity++)
+        fill_chunk(part, parity, is_odd(part, parity, t->y, t->z), t->part_row, t->part_chunk);
+    if (s->slot[t->at])
+        return true;
+    if (s->count == s->capacity)
+        return false;
+    s->slot[t->at] = ++s->count;
+    for (uint32_t k = 0; k < s->checkpoints; k++)
+        copy_values(part, t->part_at, stored_at(s, k, t->at), true);
+    return true;
+}
+
+/* Give a chunk of the part the values of a checkpoint. */
+static bool load_twin(struct updating *u, const struct twin *t)
+{
+    if (u->stored->slot[t->at])
+        copy_values(u->part, t->part_at, stored_at(u->stored, u->checkpoint, t->at), false);
+    return true;
+}
+
+/* Store the values of a chunk that differ from those of a checkpoint. */
+static bool store_twin(struct updating *u, const struct twin *t)
+{
+    const struct relax_field *f = u->part;
+    int32_t now[RELAX_CHUNK], *before;
+    if (!u->stored->slot[t->at])
+        return true;
+    before = stored_at(u->stored, u->checkpoint, t->at);
+    copy_values(f, t->part_at, now, true);
+    if (memcmp(now, before, sizeof now) == 0)
+        return true;
+    for (unsigned i = 0; i < RELAX_CHUNK; i++) {
+        const size_t lane = 2 * (i % LANES) + is_odd(f, i / LANES, t->y, t->z);
+        const uint32_t x = f->box.first[0] + (uint32_t)(t->part_chunk * RELAX_CHUNK + lane) - 2;
+        const uint32_t y = f->box.first[1] + t->y, z = f->box.first[2] + t->z;
+        if (now[i] != before[i])
+            finish_box_include(&u->differs, &(struct finish_box){{x, y, z}, {x, y, z}});
+        before[i] = now[i];
+    }
+    return true;
+}
+
+/* Let chunks move that are near enough to the differences: after a checkpoint all of them, else
+ * those next to a border. Chunks with voxels to be stored extend further along x. */
+static void limit_part(const struct updating *u, bool is_first)
+{
+    enum { STEPS = 2 * RELAX_CHECKPOINT };
+    struct relax_field *f = u->part;
+    const uint32_t *first = f->box.first;
+    for (uint32_t z = 0; z < f->size[2]; z++)
+        for (uint32_t y = 0; y < f->size[1]; y++) {
+            const uint32_t away =
+                distance(&u->differs, 1, first[1] + y) + distance(&u->differs, 2, first[2] + z);
+            const struct finish_box row = finish_box_widen(
+                &u->differs, STEPS + RELAX_CHUNK - (away < STEPS ? away : STEPS), &f->box);
+            const size_t low = chunk_at(f, row.first[0]), high = chunk_at(f, row.last[0]);
+            for (unsigned parity = 0; parity < 2; parity++) {
+                const size_t at = row_of(f, y, z) * f->chunk_words;
+                const size_t bytes = f->chunk_words * sizeof(uint64_t);
+                uint64_t *may = f->may[parity] + at;
+                find_chunks(f, f->may[parity], f->band, is_odd(f, parity, y, z) ? ODD : EVEN,
+                            row_of(f, y, z));
+                for (size_t w = 0; w < f->chunk_words; w++)
+                    may[w] &= away > STEPS ? 0 : bits_between(low, high + 1, w);
+                if (is_first)
+                    continue;
+                memcpy(f->moved[parity] + at, may, bytes);
+                memcpy(f->end_moved[parity] + at, may, bytes);
+                f->row_moved[parity][row_of(f, y, z)] = 1;
+                f->busy[z]++;
+            }
+        }
+}
+
+static uint64_t voxels_in(const struct finish_box *box)
+{
+    uint64_t voxels = 1;
+    for (int a = 0; a < 3; a++)
+        voxels *= box->last[a] - box->first[a] + 1;
+    return voxels;
+}
+
+bool relax_field_update(struct relax_field *part, const struct finish_work *work, uint8_t which,
+                        struct relax_stored *stored, uint32_t reach, uint32_t sweeps,
+                        struct finish_box *changed)
+{
+    const struct finish_box *const all = &stored->box;
+    const struct watch *watch = work->scene->watch;
+    struct updating u = {.stored = stored, .part = part};
+    /* The band changes within `reach` voxels of a border; weights change next to a voxel. */
+    const struct finish_box defined = finish_box_widen(changed, reach + 1, all);
+    relax_field_read(&u.whole, work, which, stored);
+    part->box = finish_box_none();
+    u.differs = defined;
+    /* Voxels around the differences with a valid band. */
+    const uint32_t around = 2 * RELAX_CHECKPOINT + RELAX_CHUNK + reach + 1;
+    for (uint32_t k = 0; k < stored->checkpoints; k++) {
+        const struct finish_box sees = finish_box_widen(&u.differs, around, all);
+        if (!finish_box_contains(&part->box, &sees)) {
+            /* Its weights are computed again: leave room for more differences. */
+            struct finish_box box = finish_box_widen(&sees, RELAX_CHUNK, all);
+            box.first[0] -= (box.first[0] - all->first[0]) % RELAX_CHUNK;
+            if (2 * voxels_in(&box) > voxels_in(all))
+                return false;
+            if (relax_field_begin(part, work, which, &box, reach, sweeps, NULL))
+                return false;
+            team_run(part->team, make_part, part);
+            part->scale = stored->scale;
+        }
+        const bool is_made = !watch || !watch->stopped;
+        if (!k && is_made &&
+            (!visit_twins(&u, &defined, 0, define_twin) ||
+             find_scale(&u.whole, stored->band, part->count) != stored->scale))
+            return false;
+        if (k && is_made)
+            visit_twins(&u, &u.differs, 2 * RELAX_CHECKPOINT + RELAX_CHUNK + 1, load_twin);
+        if (is_made) {
+            limit_part(&u, k == 0);
+            sweep(part, k * RELAX_CHECKPOINT, half_after(part, k));
+        }
+        if (watch && watch->stopped) {
+            *changed = u.differs; /* these and all that they change are still to be stored */
+            return true;
+        }
+        const struct finish_box differed = u.differs;
+        u.checkpoint = k;
+        u.differs = defined;
+        visit_twins(&u, &differed, RELAX_CHECKPOINT, store_twin);
+    }
+    *changed = finish_box_none();
+    return true;
 }
