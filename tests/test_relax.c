@@ -384,14 +384,14 @@ static struct scene *plate_of(uint32_t size[3])
 /* Change some voxels near one place, and return a box around them. */
 static struct finish_box change_plate(struct scene *scene, uint8_t *label)
 {
-    const uint32_t *size = scene->grid.size, far = 1 + below(4), how = below(4);
-    const uint32_t at[3] = {below(size[0]), below(size[1]), below(size[2])};
-    struct finish_box box = {{at[0], at[1], at[2]}, {0}};
-    for (int a = 0; a < 3; a++)
-        box.last[a] = at[a] + far < size[a] ? at[a] + far : size[a] - 1;
-    for (uint32_t z = at[2]; z <= box.last[2]; z++)
-        for (uint32_t y = at[1]; y <= box.last[1]; y++)
-            for (uint32_t x = at[0]; x <= box.last[0]; x++) {
+    const uint32_t *size = scene->grid.size, how = below(4);
+    const struct finish_box all = {{0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
+    const uint32_t p[3] = {below(size[0]), below(size[1]), below(size[2])};
+    const struct finish_box at = {{p[0], p[1], p[2]}, {p[0], p[1], p[2]}};
+    const struct finish_box box = finish_box_widen(&at, below(4), &all);
+    for (uint32_t z = box.first[2]; z <= box.last[2]; z++)
+        for (uint32_t y = box.first[1]; y <= box.last[1]; y++)
+            for (uint32_t x = box.first[0]; x <= box.last[0]; x++) {
                 const uint32_t cell = grid_cell(&scene->grid, x, y, z);
                 if (how < 2)
                     label[cell] = (uint8_t)how;
@@ -402,21 +402,21 @@ static struct finish_box change_plate(struct scene *scene, uint8_t *label)
 }
 
 /* Values of a stored field at a checkpoint. */
-static void values_at(int32_t u[PLATE], const struct finish_work *work,
-                      const struct relax_stored *stored, uint32_t checkpoint)
+static void values_at(int32_t *u, const struct finish_work *work, const struct relax_stored *stored,
+                      uint32_t checkpoint)
 {
     const uint32_t *size = work->scene->grid.size;
     struct relax_stored until = *stored;
     struct relax_field field = {0};
     until.checkpoints = checkpoint + 1;
     relax_field_read(&field, work, 1, &until);
-    for (uint32_t row = 0; row < size[1] * size[2]; row++) {
+    for (uint32_t row = 0; row < size[1] * size[2]; row++, u += size[0]) {
         const uint32_t y = row % size[1], z = row / size[1];
+        const uint8_t *label = &work->label[grid_cell(&work->scene->grid, 0, y, z)];
         for (uint32_t x = 0; x < size[0]; x++)
-            u[row * size[0] + x] =
-                work->label[grid_cell(&work->scene->grid, x, y, z)] == 1 ? RELAX_ONE : 0;
+            u[x] = label[x] == 1 ? RELAX_ONE : 0;
         for (struct relax_part part = {0}; relax_field_next(&field, y, z, &part);)
-            memcpy(&u[row * size[0] + part.x], part.value, part.count * sizeof *u);
+            memcpy(u + part.x, part.value, part.count * sizeof *u);
     }
 }
 
@@ -456,21 +456,18 @@ STORY(a_field_that_is_updated_is_the_one_that_would_be_made)
             field.room = 1 << 28;
             relax_field_make(&field);
             struct relax_stored *made = relax_field_store(&field, 0);
-            if (stored && finish_box_is_empty(&changed)) {
-                for (uint32_t k = 0; k < made->checkpoints; k++) {
-                    values_at(u[0], &work, stored, k);
-                    values_at(u[1], &work, made, k);
-                    CHECK_WITH(memcmp(u[0], u[1], sizeof u[0]) == 0, "round %d, edit %d, %u of %u",
-                               round, edits, k, made->checkpoints);
-                }
-                updated++;
+            const bool is_updated = stored && finish_box_is_empty(&changed);
+            for (uint32_t k = 0; is_updated && k < made->checkpoints; k++) {
+                values_at(u[0], &work, stored, k);
+                values_at(u[1], &work, made, k);
+                CHECK_WITH(memcmp(u[0], u[1], sizeof u[0]) == 0, "round %d, edit %d", round, edits);
             }
-            if (stored) {
+            updated += is_updated;
+            changed = stored ? changed : finish_box_none();
+            if (stored)
                 mem_pages_free(made, made->bytes);
-            } else {
+            else
                 stored = made;
-                changed = finish_box_none();
-            }
             const struct finish_box now = change_plate(scene, work.label);
             finish_box_include(&changed, &now);
         }

@@ -118,8 +118,8 @@ void relax_field_read(struct relax_field *field, const struct finish_work *work,
                       const struct relax_stored *stored);
 
 /* Update a stored field that is updatable and whose box still contains the label's. `changed`
- * contains the voxels whose label has changed, and those that have become or ceased to be seeds or
- * part of the region of interest. It is empty afterwards; if the scene's watch stops the update, it
+ * contains the voxels with another label than before, former and new seeds, and voxels that entered
+ * or left the region of interest. It is empty afterwards; if the scene's watch stops the update, it
  * is the box to continue with. False if the field has to be recomputed. `part` is undefined
  * afterwards. */
 bool relax_field_update(struct relax_field *part, const struct finish_work *work, uint8_t which,
