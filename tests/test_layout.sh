@@ -212,13 +212,11 @@ found=$(sed -nE 's/^([a-z]+(\/[a-z]+)?): (base.*)/\1 \3/p' "$law" |
 
 # Pairs of files of a folder, of which the first calls a function, or reads a table, of the second.
 calls_of() {
-    for source in "$1"/*.c; do
-        nm -g --defined-only "$build/${source%.c}.o" | sed -n "s|.* [TRDB] \(.*\)|\1 $source|p"
-    done >"$work/defined"
-    for source in "$1"/*.c; do
-        nm -u "$build/${source%.c}.o" | awk -v source="$source" 'NR == FNR { of[$1] = $2; next }
-            $2 in of { print source, of[$2] }' "$work/defined" -
-    done | sort -u
+    nm -Ag $(ls "$1"/*.c | sed "s|.*|$build/&|; s|c$|o|") | awk '
+        { sub(/:.*/, "", $1) }
+        $2 ~ /[TRDB]/ { of[$3] = $1 }
+        $2 == "U" { caller[++n] = $1; name[n] = $3 }
+        END { for (; n; n--) if (name[n] in of) print caller[n], of[name[n]] }' | sort -u
 }
 begin "files of tui/pilot call downward alone"
 [ "$(calls_of tui/pilot | wc -l)" -gt 15 ] || fail "no calls are found"
@@ -230,11 +228,8 @@ found=$(grep -rnE 'session->(inside|[a-z_.]+(\[[^]]*\])? ?([-+|&]?=[^=]|\+\+|--)
 [ -z "$found" ] || fail "$found"
 
 begin "no two files have one name"
-found=$(sources src journal render tui | sed 's|.*/||; s/\.[a-z]*$//' | sort | uniq -d |
-    while read -r name; do
-        find src journal render tui -name "$name.*" ! -name '*.md' | sed 's/\.[a-z]*$//' | sort -u |
-            paste -sd ' ' - | grep ' '
-    done)
+found=$(find src journal render tui -name '*.*' ! -name '*.md' | sed 's/\.[a-z]*$//' | sort -u |
+    sed 's|.*/\(.*\)|\1 &|' | sort | awk '$1 == name { print file, $2 } { name = $1; file = $2 }')
 [ -z "$found" ] || fail "$found"
 
 # What is made anew when a header changes, as the compiler sees it: of all objects, so many parts of
@@ -258,11 +253,11 @@ while read -r header percent; do
 done <"$work/shares"
 for header in $widely; do [ -e "$header" ] || fail "there is no $header"; done
 
-# That of a file x.c is proven by the compiler where it comes first in it.
+# The compiler has proven that of a header that a source or a test includes first.
 begin "every header compiles alone"
 flags=$(pkg-config --cflags OpenEXR 2>/dev/null)
-awk '!seen[$1]++ { own = $1; sub(/^src\//, "", own); sub(/\.c$/, ".h", own)
-    if (own == $2) { sub(/\.c$/, ".h", $1); print $1 } }' "$work/includes" >"$work/first"
+awk '/^#include/ { if (gsub(/"/, "", $2)) { print $2; print "src/" $2 } nextfile }' \
+    $(sources src journal render tui | grep '\.c$') tests/test_*.c >"$work/first"
 for header in $(sources src journal render tui tests | grep '\.h$' | grep -vxFf "$work/first"); do
     ${CC:-cc} -std=c17 -D_GNU_SOURCE -Wall -Wno-unused -fsyntax-only -x c \
         -Isrc -I. $flags "$header" \
@@ -310,12 +305,10 @@ found=$(grep -v '^[^:]*/table\.c:' "$work/code" | grep -E "str(n|case)?cmp\([^;]
 
 # Tests write below $TMPDIR, in a folder that goes away: make_folder (folder.h), $work (lib.sh).
 begin "no test names a folder for temporary files"
-apart=" $(sed -n 's/^places: //p' "$law") "
-for file in $(find tests -type f ! -path '*/corpus/*' | sort); do
-    case $apart in *" $file "*) continue ;; esac
-    found=$(grep -nE '(^|[^[:alnum:]_}])/(tmp|var/tmp|dev/shm)([^[:alnum:]_]|$)' "$file")
-    [ -z "$found" ] || fail "$file: $found"
-done
+sed -n 's/^places: //p' "$law" | tr ' ' '\n' >"$work/apart"
+found=$(find tests -type f ! -path '*/corpus/*' | grep -vxFf "$work/apart" | sort |
+    xargs grep -nE '(^|[^[:alnum:]_}])/(tmp|var/tmp|dev/shm)([^[:alnum:]_]|$)')
+[ -z "$found" ] || fail "$found"
 
 # The first in PATH that is version 14: others put lines otherwise.
 formatter() {
@@ -526,15 +519,16 @@ same "$(code_of "" "$work/a.c" | grep -vcE ':[[:space:]]*$')" 5
 # What README says of the licence, where machines look for it; first, or after the line of a script
 # that says what runs it.
 begin "every source and script names its licence"
-named='^(/\*|#) SPDX-License-Identifier: (MIT|Bitstream-Vera)( \*/)?$'
 {
     sources src journal render tui tests
     find Makefile .ci .package examples tests -type f \( -name Makefile -o -name '*.sh' -o \
         -name '*.py' -o -path '.ci/*' -o -path '.package/[a-z]*' ! -path '.package/*/*' \)
-} | while read -r file; do
-    sed 2q "$file" | grep -qE "$named" || echo "$file"
-done >"$work/without"
-[ ! -s "$work/without" ] || fail "$(cat "$work/without")"
+} >"$work/files"
+xargs awk 'FNR > 2 { nextfile }
+    /^(\/\*|#) SPDX-License-Identifier: (MIT|Bitstream-Vera)( \*\/)?$/ { print FILENAME }' \
+    <"$work/files" | sort >"$work/named"
+found=$(sort "$work/files" | comm -23 - "$work/named")
+[ -z "$found" ] || fail "$found"
 
 # The commit before: HEAD, where the file was changed since, else what HEAD was made of.
 raised() { # FORMER NOW: ceilings of NOW that are higher, without a new line that says why
