@@ -226,12 +226,19 @@ static struct scene *scene_of(const struct solid *solid)
 {
     const struct geometry geometry = geometry_of(solid);
     const double *mm = solid->mm, (*to_mm)[4] = geometry.to_mm;
-    const double reach =
-        solid->is_ball ? mm[0] : sqrt(mm[0] * mm[0] + mm[1] * mm[1] + mm[2] * mm[2]) / 2;
+    const double cosine = sqrt(1 - solid->shear * solid->shear);
+    double sides[3]; /* of the box around it */
     struct scene *scene;
     uint32_t size[3];
+    for (int w = 0; w < 3; w++) {
+        sides[w] = solid->is_ball ? 2 * mm[0] : 0;
+        for (int a = 0; a < 3 && !solid->is_ball; a++)
+            sides[w] += fabs(solid->turn[a][w]) * mm[a];
+    }
+    sides[1] += sides[2] * solid->shear / cosine;
+    sides[2] /= cosine;
     for (int a = 0; a < 3; a++)
-        size[a] = (uint32_t)((2 + 2 * solid->shear) * reach / solid->spacing_mm[a]) + 8;
+        size[a] = (uint32_t)(sides[a] / solid->spacing_mm[a]) + 8;
     if (scene_new(&scene, size, NULL) != OK)
         abort();
     for (int a = 0; a < 3; a++)
