@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """chafa, another program that shows pictures in terminals, on those of `bench terminal`:
-chafa.py [--json] BUILD; `make bench-chafa` runs it.
+chafa.py [--quick] [--json] BUILD; `make bench-chafa` runs it. --quick: one round.
 
 iftty draws the pictures at the end of examples/brain.iftty (of geom.iftty where the scene ch2 is
 not here) as PNG: the rendition of 512x512 pixels, a mosaic of 640x640. chafa shows them in as many
@@ -22,7 +22,7 @@ import zlib
 from programs import Broken, leave_by, run
 
 EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples")
-ROUNDS = 7
+ROUNDS = 1 if "--quick" in sys.argv[1:-1] else 7
 SIDES = {"rendition": 512, "mosaic": 640}
 FORMATS = {"kitty": "kitty", "sixel": "sixels", "iterm": "iterm", "blocks": "symbols"}
 
