@@ -234,7 +234,7 @@ put() {
     printf "$3" | dd of="$1" bs=1 seek="$2" conv=notrunc 2>/dev/null
 }
 file_bytes() {
-    wc -c <"$1" | tr -d ' '
+    wc -c <"$1"
 }
 # chain_anew FROM TO: a copy of a journal with all its chains right: an honest forgery
 chain_anew() {
@@ -263,6 +263,11 @@ rewrite() {
 }
 words_of() { # JOURNAL NUMBER
     sed -n "s/^= $2 \(.*\) chain=.*/\1/p" "$1"
+}
+# List all files below a folder with the time of their last write; equal lists mean that nothing
+# was written meanwhile, not even the same bytes again. Folders may have had drafts.
+states() {
+    find "$1" -type d -printf '%P/\n' -o -printf '%P %y %i %s %T@\n' | sort
 }
 # List all files below a folder with their content; equal listings mean equal folders.
 listing() {
