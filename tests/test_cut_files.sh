@@ -33,10 +33,17 @@ done
 # refused COMMAND FILE COUNTING LEFT MOST: in words that tell how much is missing
 refused() {
     expect 3 "$iftty" -c "$1" || { fail "$1"; return; }
-    same "$1: $(wc -l <"$work/err" | tr -d ' ') line" "$1: 1 line"
-    err_has "cut short"
-    has=$(sed -n 's/.*: it has \([0-9]*\) .*/\1/p' "$work/err")
-    promised=$(sed -n 's/.*[^-]promises \([0-9]*\); fetch.*/\1/p' "$work/err")
+    has='' promised='' lines=0
+    while read -r line; do
+        lines=$((lines + 1))
+        case $line in *"cut short"*) ;; *) fail "$1: $line" ;; esac
+        case $line in *": it has "[0-9]*) has=${line##*: it has } has=${has%%[!0-9]*} ;; esac
+        case $line in
+        *[!-]promises\ [0-9]*\;\ fetch*)
+            promised=${line##*promises } promised=${promised%%[!0-9]*} ;;
+        esac
+    done <"$work/err"
+    same "$1: $lines line" "$1: 1 line"
     case $3 in
     plain | parts) ;;
     *) # within the header it is a matter of bytes, later of what they stand for
@@ -62,7 +69,7 @@ while read -r name file counting left most; do
     case $name in */RAS-byte.nrrd) unpacked=8008 ;; esac
     refused "open $name" "$file" "$counting" "$left" "$most"
 done <"$work/cuts"
-same "$(wc -l <"$work/cuts" | tr -d ' ')" 120
+same "$(wc -l <"$work/cuts")" 120
 
 begin "a mask, seeds, a start or weights that were cut are refused, too; and info refuses a header"
 cp itk.mha whole.mha
@@ -79,7 +86,7 @@ labels $name
 weight $name
 END
     words="cut short: it has $left bytes, and its header promises"
-    same "$name: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err" | tr -d ' ')" \
+    same "$name: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err")" \
         "$name: 4 of 4"
     expect_err "cut short: it has $left bytes" 3 "$iftty" info "$name"
 done <"$work/cuts"
