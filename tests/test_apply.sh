@@ -310,7 +310,7 @@ for tenths in 0 1 2 4; do
 done
 expect 0 "$iftty" apply p.iftty moved.nii --by world --out o
 expect 0 "$iftty" verify o/moved.iftty
-same "$(find o -name '*tmp*' | wc -l | tr -d ' ')" 0
+same "$(find o -name '*tmp*' | wc -l)" 0
 
 begin "a scene behind a link, named as seen from the journal's folder; two of one name"
 mkdir -p data links && cp moved.nii data/real.nii && ln -sf ../data/real.nii links/sub-01_T1w.nii

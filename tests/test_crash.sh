@@ -43,7 +43,7 @@ resumes() {
     expect 0 "$iftty" log --check "$1"
     expect 0 "$iftty" log --script "$1"
     grep '^[a-z]' out >kept
-    kept=$(wc -l <kept | tr -d ' ')
+    kept=$(wc -l <kept)
     head -n "$kept" canonical | cmp -s - kept || fail "$1 holds what was not written"
 }
 bytes=$(file_bytes whole.iftty)
@@ -94,7 +94,7 @@ expect 0 "$iftty" log t.iftty
 same_files t.iftty t.kept
 echo occupied >t.iftty.torn-1
 expect_err "t.iftty.torn-2" 0 "$iftty" run - --journal t.iftty </dev/null
-same "$(wc -l <err | tr -d ' ')" 1
+same "$(wc -l <err)" 1
 same "$(cat t.iftty.torn-1)" occupied
 cat t.iftty t.iftty.torn-2 | cmp -s - t.kept || fail "bytes are lost"
 

@@ -167,7 +167,7 @@ seed-file $file
 mask $file
 weight $file
 END2
-    same "$file: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err" | tr -d ' ')" \
+    same "$file: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err")" \
         "$file: 4 of 4"
     expect_err "$words" 3 "$iftty" compare by-slice.twin.nii "$file"
 done <<'END'

@@ -137,7 +137,7 @@ expect_err "# torn.iftty ends with an unfinished record" 0 "$iftty" diff torn.if
 printf 'open s.nii\nseed 999,1,1 1\n' >bad.txt
 expect_err "bad.txt: " 3 "$iftty" diff bad.txt a.iftty
 err_has "(line 2)"
-same "$(wc -l <err | tr -d ' ')" 1
+same "$(wc -l <err)" 1
 
 begin "Ctrl-C ends the processes; one that dies is named"
 echo 'open synth:geom:222' >large.txt

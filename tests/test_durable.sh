@@ -255,7 +255,7 @@ comes_true has_written >/dev/null 2>&1
 kill -STOP $replay
 killed=$(ls tmp)
 expect 0 env TMPDIR="$work/tmp" "$iftty" replay few.iftty # which leaves its file
-same "$(ls tmp | wc -l | tr -d ' ')" 2
+same "$(ls tmp | wc -l)" 2
 [ -e "tmp/$killed/1.nii" ] || fail "what a process still writes is gone"
 kill -KILL $replay
 wait $replay 2>/dev/null
@@ -263,8 +263,8 @@ mkdir tmp/iftty-mine tmp/iftty-abcdef
 ln -s "$work/few" tmp/iftty-linked
 expect 0 env TMPDIR="$work/tmp" "$iftty" replay few.iftty
 [ ! -e "tmp/$killed" ] || fail "it is there still: $(ls -A tmp/$killed | head)"
-same "$(ls tmp | wc -l | tr -d ' ')" 5
-same "$(ls tmp/iftty-*/few.nii | wc -l | tr -d ' ')" 3
+same "$(ls tmp | wc -l)" 5
+same "$(ls tmp/iftty-*/few.nii | wc -l)" 3
 [ -e few/1.nii ] || fail "what a link leads to is gone"
 [ -z "$(ls -A tmp/iftty-*/.iftty* 2>/dev/null)" ] || fail "$(ls -A tmp/*)"
 

@@ -35,7 +35,7 @@ refused() {
     printf 'open %s\n' "$@" >all
     for kernel in env loose; do
         expect 3 $kernel timeout 30 "$iftty" run --keep-going all
-        same "$kernel: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err" | tr -d ' ')" \
+        same "$kernel: $(grep -cF -e "$words" "$work/err") of $(wc -l <"$work/err")" \
             "$kernel: $# of $#"
     done
     for name; do expect_err "$words" 3 timeout 30 "$iftty" info "$name"; done

@@ -9,7 +9,7 @@ for folder in tests/fuzz/corpus/*; do
     begin "bytes for the reader of: ${folder##*/}"
     expect 0 "$build/tests/fuzz/replay" "${folder##*/}" "${IFTTY_TEST_SCALE:-1}" "$folder"/* \
         </dev/null
-    out_has "$(find "$folder" -type f | wc -l | tr -d ' ') files"
+    out_has "$(find "$folder" -type f | wc -l) files"
 done
 
 begin "every target has a corpus"

@@ -275,7 +275,7 @@ found=$(grep -E '^(src/engine|render)/' "$work/code" | floats)
 printf 'int a; /* a float\n double */ int doubled = 1;\n' >"$work/a.c"
 same "$(code_of "" "$work/a.c" | sed 's|.*/||' | floats)" ""
 printf 'int b;\nstatic float c;\n' >"$work/b.c"
-same "$(code_of "" "$work/b.c" | sed 's|.*/||' | floats | wc -l | tr -d ' ')" 1
+same "$(code_of "" "$work/b.c" | sed 's|.*/||' | floats | wc -l)" 1
 
 # The programs that it is measured against (tests/peers), and what writes files for tests, are no
 # part of it; the probes (tests/probe) are the helpers.
@@ -369,7 +369,7 @@ found=$(glued $(sources src journal render tui tests))
 [ -z "$found" ] || fail "$found"
 printf '/*\n * Q1 one; as in Q3\n * Q2 two; see\n * Q3 three\n */\n' >"$work/fine.h"
 printf '/*\n * Q1 one\n * that holds; Q2 two\n */\n' >"$work/glued.h"
-same "$(glued "$work/fine.h" "$work/glued.h" | wc -l | tr -d ' ')" 1
+same "$(glued "$work/fine.h" "$work/glued.h" | wc -l)" 1
 
 # Help apart, which every program has (src/program/program.c).
 begin "an option is looked for in the table of programs alone"

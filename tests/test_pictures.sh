@@ -218,7 +218,7 @@ for format in $extensions; do
         [ ! -e "every/a.$format" ] || fail "$format: a file, although refused"
     fi
 done
-same "$(wc -l <err | tr -d ' ')" "$(grep -c '^all:[0-9]*: cannot write' err)"
+same "$(wc -l <err)" "$(grep -c '^all:[0-9]*: cannot write' err)"
 same "$(ls -A every | wc -l)" "$(grep -c '^    wrote' out)"
 [ "$(ls every | wc -l)" -gt 35 ] || fail "only $(ls every)"
 same "$(oiiotool --info every/* 2>&1 | grep -c ' : *150 x  *110, ')" "$(ls every | wc -l)"
@@ -244,7 +244,7 @@ expect_out "iftty journal" 0 "$iftty" info session.iftty
 same "$(sed -n 's/^records *//p' out)" "$(grep -c '^= ' session.iftty)"
 for file in s.nii session.iftty lines.exr a.png a.tif a.gif; do
     expect 0 "$iftty" info $file --json
-    same "$(wc -l <out | tr -d ' ')" 1
+    same "$(wc -l <out)" 1
     "$PYTHON" -c 'import json, sys; json.load(sys.stdin)' <out 2>err ||
         fail "$file: $(cat out err)"
 done
@@ -264,7 +264,7 @@ mkdir folder.png
 mkfifo pipe.png
 for file in no.png half.png half.exr folder.png pipe.png missing.png script; do
     expect 3 "$iftty" info $file
-    same "$file $(wc -l <err | tr -d ' ') $(wc -c <out | tr -d ' ')" "$file 1 0"
+    same "$file $(wc -l <err) $(wc -c <out)" "$file 1 0"
 done
 expect 2 "$iftty" info a b
 oiiotool a.png --attrib note "$(printf 'red \033[31m "quoted" \\ text')" -o odd.png

@@ -72,7 +72,7 @@ expect 3 "$iftty" run bad --keep-going
 same "$(acks | tr '\n' ';')" "open s.nii weight=morph;seed 1,1,1 1;run;"
 same "$(cut -d: -f1-2 err | tr '\n' ' ')" "bad:2 bad:4 "
 expect 2 "$iftty" -c 'sed; open nothing' --keep-going
-same "$(wc -l <err | tr -d ' ')" 2
+same "$(wc -l <err)" 2
 expect 0 "$iftty" -c 'open s.nii; quit; seed 1,1,1 1' # what follows `quit` is not carried out
 same "$(acks | tr '\n' ';')" "open s.nii weight=morph;quit;"
 
@@ -88,13 +88,13 @@ expect 0 "$iftty" help seed
 for wrong in "help nothing" "--nothing" "run" "run a b" "run --journal" "replay" "verify" "log" \
     "a b" "--graphics loud run script" "-c"; do
     expect 2 "$iftty" $wrong </dev/null
-    same "$(wc -l <err | tr -d ' ')" 1
+    same "$(wc -l <err)" 1
     [ ! -s out ] || fail "'$wrong' printed something"
 done
 for missing in "run nothing" "replay nothing" "verify nothing" "log nothing" "log --check nothing" \
     "log --script nothing" "-c open\\ nothing" "nothing"; do
     eval "expect 3 \"\$iftty\" $missing </dev/null"
-    same "$(wc -l <err | tr -d ' ')" 1
+    same "$(wc -l <err)" 1
 done
 expect 3 "$iftty" nothing.iftty </dev/null
 same "$(cat err)" \
@@ -167,7 +167,7 @@ for line in 'iftty [0-9.]*' 'journal semantics [0-9]*' \
     'iftty-register: ITK [0-9.]*'; do
     grep -qx "$line" "$work/out" || fail "no line $line" "$(cat "$work/out")"
 done
-same "$(wc -l <"$work/out" | tr -d ' ')" 6
+same "$(wc -l <"$work/out")" 6
 mkdir "$work/without"
 cp "$iftty" "$work/without/iftty"
 printf '#!/bin/sh\necho versions 4000\n' >"$work/without/iftty-volume"
@@ -176,7 +176,7 @@ expect 0 "$work/without/iftty" --version </dev/null
 out_has "iftty-image: missing; the package iftty-image has it"
 out_has "iftty-volume: no answer: it is of another version, or broken"
 out_has "iftty-register: missing; the package iftty-volume has it"
-same "$(wc -l <"$work/out" | tr -d ' ')" 6
+same "$(wc -l <"$work/out")" 6
 
 # Try each option with every program that does not have it.
 begin "an option that a program does not have is bad usage"
@@ -251,7 +251,7 @@ changed() {
     expect 1 "$iftty" replay t.iftty
     expect_out "not ok 1 - t.iftty" 1 "$iftty" verify t.iftty
     out_has "$3"
-    same "$(wc -l <err | tr -d ' ')" 1
+    same "$(wc -l <err)" 1
 }
 
 begin "a changed coordinate is found, with its record"
@@ -352,7 +352,7 @@ listing w >before
 mkdir fresh
 expect_err "# files are in $work/fresh/iftty-" 0 env TMPDIR="$work/fresh" "$iftty" replay w/w.iftty
 same_files fresh/iftty-*/l.nii l.first
-same "$(ls fresh | wc -l | tr -d ' ')" 1
+same "$(ls fresh | wc -l)" 1
 rm -r fresh/*
 expect 0 env TMPDIR="$work/fresh" "$iftty" replay j.iftty # which writes no file
 [ ! -s err ] && [ -z "$(ls fresh)" ] || fail "it leaves $(ls fresh): $(cat err)"

@@ -59,7 +59,7 @@ alike scene.nii "seed-file MAP erode=0; run"
 same "$(cat said0)" ""
 same "$(cat said47)" "    its axes run towards IPL and the scene's towards RAS: taken voxel by \
 voxel, in the scene's order"
-same "$(cat said47 said1 said19 | wc -l | tr -d ' ')" 3
+same "$(cat said47 said1 said19 | wc -l)" 3
 alike scene.nii "labels MAP"
 alike scene.nii "mask MAP regions=1-2; seed 3,3,3 1; run"
 alike scene.nii "weight WEIGHT; seed 3,3,3 1; seed 8,8,8 2; run"

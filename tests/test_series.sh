@@ -37,7 +37,7 @@ refused "holds more images than its private header says" "open hidden"
 begin "a folder of several series lists their differences, in several lines if one is too long"
 expect 3 "$iftty" -c "open study"
 err_has "it holds 6 series; choose one with series=N, or with a piece of its description"
-same "$(wc -l <"$work/err" | tr -d ' ')" 1
+same "$(wc -l <"$work/err")" 1
 cat >"$work/listed" <<'END'
     1: "localizer", 5 slices of 26x22, MR, 0.9x1.1x2.5 mm
     2: "t1_mprage sag", 14 slices of 26x22, MR, 0.9x1.1x2.5 mm
@@ -150,7 +150,7 @@ cp -r times broken
 while [ "$count" -lt $rounds ]; do
     mv "broken-$((count + 1))" broken/IM2
     may_open "$count" "open broken volume=0"
-    [ $got = 0 ] || same "$count: $(wc -l <"$work/err" | tr -d ' ') line" "$count: 1 line"
+    [ $got = 0 ] || same "$count: $(wc -l <"$work/err") line" "$count: 1 line"
 done
 [ $((3 * bad)) -gt $((count + 1)) ] || fail "$bad of $count were refused"
 

@@ -22,7 +22,7 @@ field() { # LINE NAME: the value of a text or number
     printf '%s\n' "$1" | sed -n "s/.*\"$2\": \"*\([^\",}]*\).*/\1/p"
 }
 folders() { # those of sessions that are there
-    find passing -mindepth 1 -maxdepth 1 | wc -l | tr -d ' '
+    find passing -mindepth 1 -maxdepth 1 | wc -l
 }
 # Start a session: `ask LINE` writes to it, its answers are in the file `out`. SCENE...
 start() {

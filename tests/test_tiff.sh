@@ -47,7 +47,7 @@ refused() { # WORDS FILE...: by open, in one line, whatever volume is asked for
     shift
     for name; do
         expect_err "$name: $words" 3 timeout 60 "$iftty" -c "open $name volume=0"
-        same "$name: $(wc -l <"$work/err" | tr -d ' ') line" "$name: 1 line"
+        same "$name: $(wc -l <"$work/err") line" "$name: 1 line"
     done
 }
 

@@ -163,7 +163,7 @@ expect 1 "$iftty" verify j4.iftty j5.iftty 'a<b>&"c'"'.iftty" --html report.html
 grep -q 'a&lt;b&gt;&amp;&quot;c&#39;.iftty' report.html || fail "a name is not escaped"
 same "$(grep -c '<img alt="[^"]*" src="data:image/png;base64,[A-Za-z0-9+/]*=*">' report.html)" 3
 same "$(grep -o 'expected: golden image first<\|>actual<\|>difference, in red<' report.html |
-    wc -l | tr -d ' ')" 3
+    wc -l)" 3
 grep -qE 'https?:|<script|<link|url\(' report.html && fail "it refers to something else"
 grep -q "default-src 'none'" report.html || fail "it does not forbid to fetch"
 # The picture that is called the expected one is the golden image's.

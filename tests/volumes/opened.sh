@@ -49,7 +49,7 @@ twins() {
 }
 refused() { # WORDS COMMANDS: in one line
     refuses "$1" "$2"
-    same "$2: $(wc -l <"$work/err" | tr -d ' ') line" "$2: 1 line"
+    same "$2: $(wc -l <"$work/err") line" "$2: 1 line"
 }
 # may_open NAME COMMANDS: they succeed, or are refused in one line; counted in $count, and $bad
 count=0 bad=0
