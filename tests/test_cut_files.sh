@@ -33,17 +33,10 @@ done
 # refused COMMAND FILE COUNTING LEFT MOST: in words that tell how much is missing
 refused() {
     expect 3 "$iftty" -c "$1" || { fail "$1"; return; }
-    has='' promised='' lines=0
-    while read -r line; do
-        lines=$((lines + 1))
-        case $line in *"cut short"*) ;; *) fail "$1: $line" ;; esac
-        case $line in *": it has "[0-9]*) has=${line##*: it has } has=${has%%[!0-9]*} ;; esac
-        case $line in
-        *[!-]promises\ [0-9]*\;\ fetch*)
-            promised=${line##*promises } promised=${promised%%[!0-9]*} ;;
-        esac
-    done <"$work/err"
-    same "$1: $lines line" "$1: 1 line"
+    same "$1: $(wc -l <"$work/err") line" "$1: 1 line"
+    err_has "cut short"
+    has=$(sed -n 's/.*: it has \([0-9]*\) .*/\1/p' "$work/err")
+    promised=$(sed -n 's/.*[^-]promises \([0-9]*\); fetch.*/\1/p' "$work/err")
     case $3 in
     plain | parts) ;;
     *) # within the header it is a matter of bytes, later of what they stand for
