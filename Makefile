@@ -343,9 +343,11 @@ demo: $(BUILD)/iftty $(BUILD)/iftty-image
 remake-examples: all
 	@tests/remake.sh $(BUILD) $(LET)
 
-## bench-peers: compare iftty, ITK, vigra, scipy and scikit-image; ROUNDS=5, JSON=FILE
+## bench-peers: compare iftty, a textbook DIFT, ITK, vigra, scipy and scikit-image; ROUNDS=5,
+##     BITS="8 16", JSON=FILE
 bench-peers: $(PEERS)
-	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(if $(JSON),--json $(JSON)) $(BUILD)
+	@$(PYTHON) tests/peers/run.py --rounds $(ROUNDS) $(BITS:%=--bits %) \
+	    $(if $(JSON),--json $(JSON)) $(BUILD)
 
 ## bench-brain, bench-terminal, bench-paper, bench-growth, bench-render, bench-frames,
 ##     bench-journal, bench-keys, bench-looks, bench-effort, bench-register, bench-surface:

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* iftty's engine as a worker. The first run after a reset plants all markers as one edit of an
+/* iftty's engine as a worker: iftty_worker FOLDER THREADS. The first run after a reset plants all markers as one edit of an
  * empty forest; each later run is the differential update from the former markers to the present
  * ones.
  *
- * Timed is forest_edit, which keeps the digests up to date too; what border_update takes is noted
- * beside it. As a peer's maps are in memory before its run, so are the scene's cells with their
- * weights, and the list of edits. */
+ * The stages: "cells", making the scene's cells from the gradient, and an empty forest, after a
+ * reset; "list", finding the edits in the map of markers; "run", forest_edit, which updates the
+ * digests too; "border", border_update; and "read", copying the labels out of the cells. */
 #include "base/mem.h"
 #include "render/border.h"
 #include "engine/forest.h"
 #include "tests/peers/worker.h"
 
+static struct team *team;
 static struct scene *scene;
 static struct forest *forest;
 static struct border border;
@@ -33,9 +34,12 @@ static void each_voxel(struct worker *worker, void (*visit)(struct worker *, siz
         }
 }
 
-static void set_weight(struct worker *worker, size_t voxel, uint32_t cell)
+static void weigh_row(void *context, unsigned thread, uint32_t y, uint32_t z, uint16_t *weight)
 {
-    scene->cell[cell].weight = worker->gradient[voxel];
+    const struct worker *worker = context;
+    const size_t row = (size_t)z * worker->size[1] + y, size = worker->size[0];
+    (void)thread;
+    memcpy(weight, worker->gradient + row * size, size * sizeof *weight);
 }
 
 static void list_edit(struct worker *worker, size_t voxel, uint32_t cell)
@@ -50,9 +54,13 @@ static void list_edit(struct worker *worker, size_t voxel, uint32_t cell)
 static void get_label(struct worker *worker, size_t voxel, uint32_t at)
 {
     const struct cell *cell = scene->cell + at;
-    const bool reached = cell->key != KEY_NONE;
-    worker->label[voxel] = (uint8_t)(reached ? cell->label + 1 : 0);
-    worker->cost[voxel] = (uint8_t)(reached ? key_cost(cell->key) : UINT8_MAX);
+    worker->label[voxel] = (uint8_t)(cell->key != KEY_NONE ? cell->label + 1 : 0);
+}
+
+static void get_cost(struct worker *worker, size_t voxel, uint32_t at)
+{
+    const uint64_t key = scene->cell[at].key;
+    worker->cost[voxel] = (uint16_t)(key != KEY_NONE ? key_cost(key) : UINT16_MAX);
 }
 
 static enum err begin_afresh(struct worker *worker, struct fault *fault)
@@ -65,11 +73,15 @@ static enum err begin_afresh(struct worker *worker, struct fault *fault)
     forest = NULL;
     memset(planted, 0, worker->voxels);
     const uint32_t size[3] = {worker->size[0], worker->size[1], worker->size[2]};
-    enum err err = scene_new(&scene, size, fault);
+    worker_stage(worker, NULL);
+    enum err err = scene_new_plain(&scene, size, mem_array(worker->voxels, 2), NULL, fault);
     if (!err)
-        each_voxel(worker, set_weight);
+        scene_make_cells(scene, team, weigh_row, worker);
     if (!err)
         err = forest_new(&forest, scene, 6, fault);
+    if (!err)
+        err = forest_set_team(forest, team, fault);
+    worker_stage(worker, "cells");
     if (!err)
         err = border_init(&border, scene, fault);
     has_border = err == OK;
@@ -79,29 +91,29 @@ static enum err begin_afresh(struct worker *worker, struct fault *fault)
 static bool run(struct worker *worker)
 {
     struct fault fault;
-    double ready_ms = worker_clock_ms();
     enum err err = worker->afresh ? begin_afresh(worker, &fault) : OK;
-    ready_ms = worker_clock_ms() - ready_ms;
     if (err)
         goto failed;
     edits = 0;
+    worker_stage(worker, NULL);
     each_voxel(worker, list_edit);
-    const double begin = worker_clock_ms();
+    worker_stage(worker, "list");
     err = forest_edit(forest, edit, edits, &fault);
-    const double edited = worker_clock_ms();
+    worker_stage(worker, "run");
     if (err)
         goto failed;
     const struct changes changes = forest_changes(forest);
     const struct forest_stats stats = forest_stats(forest);
+    worker_stage(worker, NULL);
     border_update(&border, &changes);
-    const double bordered = worker_clock_ms();
+    worker_stage(worker, "border");
     each_voxel(worker, get_label);
-    const double read = worker_clock_ms();
-    worker->ms = edited - begin;
-    snprintf(worker->note, sizeof worker->note,
-             " border=%.6f seeds=%zu touched=%llu digest=%016llx ready=%.3f read=%.3f",
-             bordered - edited, edits, (unsigned long long)stats.touched,
-             (unsigned long long)forest_digest(forest), ready_ms, read - bordered);
+    worker_stage(worker, "read");
+    each_voxel(worker, get_cost);
+    const size_t used = strlen(worker->note);
+    snprintf(worker->note + used, sizeof worker->note - used,
+             " seeds=%zu touched=%llu digest=%016llx", edits, (unsigned long long)stats.touched,
+             (unsigned long long)forest_digest(forest));
     return true;
 failed:
     snprintf(worker->note, sizeof worker->note, "%.150s", fault.text);
@@ -111,11 +123,13 @@ failed:
 int main(int argc, char **argv)
 {
     struct worker worker = {0};
-    if (argc != 2 || !worker_begin(&worker, argv[1]))
+    struct fault fault;
+    if (argc != 3 || !worker_begin(&worker, argv[1]) ||
+        team_new(&team, (unsigned)atoi(argv[2]), &fault))
         return 3;
     planted = mem_array(worker.voxels, 1);
     edit = mem_array(worker.voxels, sizeof *edit);
-    worker.cost = mem_array(worker.voxels, 1);
+    worker.cost = mem_array(worker.voxels, sizeof *worker.cost);
     if (!planted || !edit || !worker.cost)
         return 3;
     worker_serve(&worker, run);

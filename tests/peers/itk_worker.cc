@@ -9,30 +9,34 @@
 
 #include "tests/peers/worker.h"
 
-using Image = itk::Image<unsigned char, 3>;
-using Watershed = itk::MorphologicalWatershedFromMarkersImageFilter<Image, Image>;
-
-static Image::Pointer image_of(const struct worker *worker, const uint8_t *map)
+template <class Pixel> static auto image_of(const struct worker *worker, const Pixel *map)
 {
-    auto image = Image::New();
-    image->SetRegions(Image::SizeType{{worker->size[0], worker->size[1], worker->size[2]}});
+    auto image = itk::Image<Pixel, 3>::New();
+    image->SetRegions(itk::Size<3>{{worker->size[0], worker->size[1], worker->size[2]}});
     image->Allocate();
     std::copy(map, map + worker->voxels, image->GetBufferPointer());
     return image;
 }
 
-static bool run(struct worker *worker)
-try {
-    auto watershed = Watershed::New();
-    watershed->SetInput1(image_of(worker, worker->gradient));
+template <class Pixel> static void segment(struct worker *worker, const Pixel *gradient)
+{
+    auto watershed =
+        itk::MorphologicalWatershedFromMarkersImageFilter<itk::Image<Pixel, 3>,
+                                                          itk::Image<unsigned char, 3>>::New();
+    watershed->SetInput1(image_of(worker, gradient));
     watershed->SetInput2(image_of(worker, worker->marker));
     watershed->SetMarkWatershedLine(false);
     watershed->SetFullyConnected(false);
-    const double begin = worker_clock_ms();
+    worker_stage(worker, NULL);
     watershed->Update();
-    worker->ms = worker_clock_ms() - begin;
+    worker_stage(worker, "run");
     const unsigned char *label = watershed->GetOutput()->GetBufferPointer();
     std::copy(label, label + worker->voxels, worker->label);
+}
+
+static bool run(struct worker *worker)
+try {
+    worker->narrow ? segment(worker, worker->narrow) : segment(worker, worker->gradient);
     return true;
 } catch (const std::exception &error) {
     snprintf(worker->note, sizeof worker->note, "%s", error.what());

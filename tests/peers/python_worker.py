@@ -27,8 +27,10 @@ def main():
     marker_type, segment = kinds[sys.argv[1]]()
     folder = sys.argv[2]
     with open(folder + "/size", encoding="ascii") as file:
-        shape = tuple(int(side) for side in reversed(file.read().split()))
-    image = numpy.fromfile(folder + "/gradient.u8", numpy.uint8).reshape(shape)
+        *size, bits = (int(word) for word in file.read().split())
+    shape = tuple(reversed(size))
+    image = numpy.fromfile(folder + "/gradient.u16", numpy.uint16).reshape(shape)
+    image = image.astype(numpy.uint8 if bits == 8 else numpy.uint16)
     markers = labels = None
     for line in sys.stdin:
         request, _, path = line.strip().partition(" ")
@@ -36,9 +38,10 @@ def main():
         if request == "markers":
             markers = numpy.fromfile(path, numpy.uint8).reshape(shape).astype(marker_type)
         elif request == "run":
-            begin = time.process_time()
+            begin = time.process_time(), time.perf_counter()
             labels = segment(image, markers)
-            answer = "%.6f" % ((time.process_time() - begin) * 1e3)
+            end = time.process_time(), time.perf_counter()
+            answer += " run=%.6f,%.6f" % tuple((e - b) * 1e3 for b, e in zip(begin, end))
         elif request == "labels":
             labels.astype(numpy.uint8).tofile(path)
         elif request != "reset":

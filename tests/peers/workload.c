@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes the workload that all workers share: workload FOLDER SCENE ATLAS.
+/* Writes the workload that all workers share: workload FOLDER SCENE ATLAS 8|16.
  *
- * The gradient is what `weight morph` gives over 6 neighbours; it must fit 8 bits, which some peers
- * order fastest. The first markers are the regions of the atlas, each shrunk by three rounds, and
+ * The scene must have 8 bits, which some peers order fastest. With 16 bits, its intensities are
+ * multiplied by WIDEN, and a hash of the place is added that is below WIDEN, so that the gradient
+ * has many values. The gradient is that of `weight morph` over 6 neighbours. The first markers are the regions of the atlas, each shrunk by three rounds, and
  * the air: voxels darker than DARK that lie in no region, shrunk likewise, as label 0.
  *
  * Each further set has one correction more, a ball of seeds. The third and the seventh lie where
@@ -11,8 +12,8 @@
  * number of the edit as label: they claim what no marker was near. Where a ball covers markers, it
  * takes their place.
  *
- *     FOLDER/size             "X Y Z"
- *     FOLDER/gradient.u8      a byte a voxel, x fastest
+ *     FOLDER/size             "X Y Z BITS"
+ *     FOLDER/gradient.u16     two bytes per voxel, x fastest
  *     FOLDER/markers-N.u8     after N edits, 0..EDITS: label + 1, or 0 where there is no marker */
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +26,7 @@
 #include "session/map.h"
 #include "session/seed_file.h"
 
-enum { EDITS = 8, ROUNDS = 3, DARK = 20 };
+enum { EDITS = 8, ROUNDS = 3, DARK = 20, WIDEN = 97 };
 
 /* Squares of the radii of balls, in turn: 179 and 203 voxels. */
 static const int ball_square[2] = {12, 13};
@@ -33,6 +34,7 @@ enum { BALL_REACH = 3 };
 
 struct workload {
     const char *folder;
+    unsigned factor; /* of the intensities */
     struct scene *scene;
     struct volume image, atlas;
     uint16_t *region; /* the atlas, which seeds_from_map works over */
@@ -52,24 +54,17 @@ static enum err save(const struct workload *work, const char *name, const void *
 static enum err save_gradient(const struct workload *work, struct fault *fault)
 {
     const struct grid *grid = &work->scene->grid;
-    uint8_t *gradient = mem_array(grid->voxels, 1), *next = gradient;
+    uint16_t *gradient = mem_array(grid->voxels, sizeof *gradient), *next = gradient;
     if (!gradient)
         return fault_memory(fault, "a gradient");
-    uint16_t most = 0;
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span row = grid_row(grid, y, z);
-            for (uint32_t c = row.first; c < row.end; c++) {
-                const uint16_t weight = work->scene->cell[c].weight;
-                most = weight > most ? weight : most;
-                *next++ = (uint8_t)weight;
-            }
+            for (uint32_t c = row.first; c < row.end; c++)
+                *next++ = work->scene->cell[c].weight;
         }
-    enum err err = most <= UINT8_MAX ? save(work, "gradient.u8", gradient, grid->voxels, fault)
-                                     : fault_set(fault, ERR_INPUT,
-                                                 "the gradient reaches %u; expected a scene of 8 "
-                                                 "bits, whose gradient does not pass 255",
-                                                 most);
+    const size_t bytes = grid->voxels * sizeof *gradient;
+    enum err err = save(work, "gradient.u16", gradient, bytes, fault);
     free(gradient);
     return err;
 }
@@ -151,12 +146,27 @@ static void mark_correction(struct workload *work, int edit)
 
 /* ---- all of it ---- */
 
+static enum err widen(struct workload *work, struct fault *fault)
+{
+    const size_t voxels = (size_t)work->image.size[0] * work->image.size[1] * work->image.size[2];
+    for (size_t i = 0; i < voxels; i++) {
+        uint16_t *intensity = work->image.intensity + i;
+        if (*intensity > UINT8_MAX)
+            return fault_set(fault, ERR_INPUT, "the scene has the intensity %u; expected 8 bits",
+                             *intensity);
+        *intensity = (uint16_t)(*intensity * work->factor + hash_place(i) % work->factor);
+    }
+    return OK;
+}
+
 static enum err make_scene(struct workload *work, const char *image, const char *atlas,
                            struct fault *fault)
 {
     enum err err = volume_read(&work->image, image, NULL, NULL, fault);
     if (!err)
         err = volume_read(&work->atlas, atlas, NULL, NULL, fault);
+    if (!err)
+        err = widen(work, fault);
     if (!err)
         err = scene_new_filled(&work->scene, work->image.size, work->image.intensity, NULL, fault);
     if (!err)
@@ -171,7 +181,7 @@ static enum err make_scene(struct workload *work, const char *image, const char 
         return fault_memory(fault, "markers");
     memcpy(work->region, work->atlas.intensity, voxels * sizeof *work->region);
     for (size_t i = 0; i < voxels; i++)
-        work->dark[i] = work->image.intensity[i] < DARK;
+        work->dark[i] = work->image.intensity[i] / work->factor < DARK;
     struct adjacency adjacency;
     adjacency_init(&adjacency, 6, &work->scene->grid);
     weight_compute(work->scene, &adjacency, &(struct weight_choice){WEIGHT_MORPH, 1},
@@ -184,7 +194,8 @@ static enum err make_workload(struct workload *work, struct fault *fault)
     printf("voxels=%zu ", work->scene->grid.voxels);
     char text[64];
     const uint32_t *size = work->scene->grid.size;
-    const int length = snprintf(text, sizeof text, "%u %u %u\n", size[0], size[1], size[2]);
+    const int length = snprintf(text, sizeof text, "%u %u %u %d\n", size[0], size[1], size[2],
+                                work->factor > 1 ? 16 : 8);
     enum err err = save(work, "size", text, (size_t)length, fault);
     if (!err)
         err = save_gradient(work, fault);
@@ -207,11 +218,12 @@ int main(int argc, char **argv)
 {
     struct workload work = {0};
     struct fault fault;
-    if (argc != 4) {
-        fprintf(stderr, "usage: workload FOLDER SCENE ATLAS\n");
+    if (argc != 5) {
+        fprintf(stderr, "usage: workload FOLDER SCENE ATLAS 8|16\n");
         return err_exit_status(ERR_USAGE);
     }
     work.folder = argv[1];
+    work.factor = strcmp(argv[4], "16") == 0 ? WIDEN : 1;
     enum err err = make_scene(&work, argv[2], argv[3], &fault);
     if (!err)
         err = make_workload(&work, &fault);
