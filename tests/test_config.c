@@ -66,6 +66,10 @@ STORY(an_empty_file_gives_the_defaults)
     CHECK(config.setup.brush.label == 7 && config.setup.brush.radius == 6);
     take("brush 7 0");
     CHECK(config.setup.brush.radius == 0);
+    take("graphics quadrants");
+    CHECK(config.graphics.count == 1 && config.graphics.of[0] == &graphics_quadrants);
+    take("graphics quadrants\ngraphics auto");
+    CHECK_INT(config.graphics.count, graphics_auto.count);
     take("theme none");
     CHECK(!config.setup.theme->has_colours);
 }
@@ -132,9 +136,11 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
 {
     static const char *const bad[][2] = {
         {"theme blue", "c:1: expected dark|light|none, not blue; left out\n"},
-        {"\nthem dark",
-         "c:2: expected theme, brush, window, key, pager, ahead or start, not them; did you mean "
-         "theme?; left out\n"},
+        {"graphics loud", "c:1: graphics: expected auto, kitty, tiles, iterm, sixel, blocks, "
+                          "sextants, quadrants, halves or none, not loud; left out\n"},
+        {"\nthem dark", "c:2: expected theme, graphics, brush, window, key, pager, ahead or start, "
+                        "not them; did you mean "
+                        "theme?; left out\n"},
         {"brush 256",
          "c:1: expected a label 0..255, then optionally a radius 0..32 in voxels, or in mm"},
         {"brush 1 33", "c:1: expected a label"},
@@ -321,10 +327,10 @@ static bool is_printable(const struct buf *text)
 /* Any bytes, and words of the configuration in any order. */
 STORY(any_text_gives_a_valid_setup)
 {
-    static const char *const word[] = {"theme", "brush", "window", "key",  "start", "dark", "undo",
-                                       "plant", "left",  "Ctrl-",  "Alt-", "s0-9",  "gg",   "x",
-                                       "0",     "9",     "255",    "-1.5", " ",     "\n",   "\t",
-                                       "#",     "\x1b",  "\xc3",   "ä",    "1-9",   "Tab",  "''"};
+    static const char *const word[] = {
+        "theme", "graphics", "halves", "brush", "window", "key",  "start", "dark", "undo", "plant",
+        "left",  "Ctrl-",    "Alt-",   "s0-9",  "gg",     "x",    "0",     "9",    "255",  "-1.5",
+        " ",     "\n",       "\t",     "#",     "\x1b",   "\xc3", "ä",     "1-9",  "Tab",  "''"};
     uint64_t seed = 7;
     for (int round = 0; round < 3000; round++) {
         OWNED(buf_release) struct buf text = {0}, page = {0};

@@ -388,7 +388,7 @@ STORY(every_protocol_of_the_table_is_decoded)
 {
     for (size_t i = 0; i < graphics_auto.count; i++) {
         const struct graphics *graphics = graphics_auto.of[i];
-        bool is_decoded = graphics == &graphics_none || graphics == &graphics_blocks;
+        bool is_decoded = graphics == &graphics_none || graphics->kind == GRAPHICS_TEXT;
         for (unsigned g = 0; g < WITH_PIXELS; g++)
             is_decoded |= graphics == with_pixels[g];
         CHECK_WITH(is_decoded, "%s has no decoder here", graphics->name);
@@ -773,7 +773,7 @@ static int64_t wrong_parts(const struct image_view *view)
 STORY(cells_show_what_they_should_after_every_edit)
 {
     for (unsigned i = 0; i < 12; i++) {
-        struct terminal_facts facts = facts_of(&graphics_blocks, 8, 16);
+        struct terminal_facts facts = facts_of(&graphics_halves, 8, 16);
         uint64_t seed = i;
         uint32_t width, height;
         facts.colours = (enum colours)(i % 4);
@@ -803,7 +803,7 @@ STORY(notes_stand_in_cells_of_text)
     static const struct raster_note note[] = {
         {0, 0, 'R'}, {3, 1, 'L'}, {29, 14, 'A'}, {30, 2, 'x'}, {4, 15, 'x'}};
     for (int colours = 0; colours < 4; colours++) {
-        struct terminal_facts facts = facts_of(&graphics_blocks, 8, 16);
+        struct terminal_facts facts = facts_of(&graphics_halves, 8, 16);
         uint64_t seed = 8;
         facts.colours = (enum colours)colours;
         begin_at(&facts, 2, 1, 30, 15);
@@ -824,7 +824,7 @@ STORY(notes_stand_in_cells_of_text)
 
 STORY(half_blocks_in_all_colours_show_every_pixel)
 {
-    begin_painter(&graphics_blocks, 8, 16, 0, 0, 30, 15);
+    begin_painter(&graphics_halves, 8, 16, 0, 0, 30, 15);
     uint64_t seed = 8;
     struct image_view view = filled(30, 30, &seed);
     show(&view);
@@ -916,7 +916,7 @@ STORY(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised)
 STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
 {
     static const struct graphics *const all[] = {&graphics_kitty, &graphics_sixel, &graphics_iterm,
-                                                 &graphics_tiles, &graphics_blocks};
+                                                 &graphics_tiles, &graphics_halves};
     for (unsigned g = 0; g < 5; g++) {
         uint64_t seed = 9;
         bool shown = false;
@@ -924,7 +924,7 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
             begin_painter(all[g], 8, 16, 0, 0, 10, 5);
             OWNED(buf_release) struct buf out = {0};
             struct image_view view = picture(80, 80);
-            if (all[g] == &graphics_blocks)
+            if (all[g] == &graphics_halves)
                 view.width = view.height = 10;
             fill_all(&view, &seed);
             allow_allocations(limit);
@@ -933,7 +933,7 @@ STORY(without_memory_nothing_is_shown_and_the_next_picture_goes_whole)
             CHECK_INT(shown, !out.failed);
             if (!shown) {
                 show(&view);
-                CHECK_INT(all[g] == &graphics_blocks ? wrong_parts(&view) : wrong_pixels(&view), 0);
+                CHECK_INT(all[g] == &graphics_halves ? wrong_parts(&view) : wrong_pixels(&view), 0);
             }
         }
         CHECK(shown);

@@ -4,12 +4,14 @@
 #include "tests/check_main.h"
 #include "tui/picture/graphics.h"
 
-enum { QUESTIONS = 9 };
+enum { QUESTIONS = 10 };
 static const char *const question[QUESTIONS] = {
-    "\033[>c",      "\033[>q", "\033[16t",     "\033[14t",
-    "\033[?2;4;0S", "\033[c",  "\033[?2026$p", "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\",
-    "\033[?1016$p"};
-enum { DA2, VERSION, CELL, AREA, LIMIT, DA1, MODE, KITTY, POINTS };
+    "\033[>c",      "\033[>q",
+    "\033[16t",     "\033[14t",
+    "\033[?2;4;0S", "\033[c",
+    "\033[?2026$p", "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\",
+    "\033[?1016$p", "\r\xF0\x9F\xAC\x80\033[6n"};
+enum { DA2, VERSION, CELL, AREA, LIMIT, DA1, MODE, KITTY, POINTS, SEXTANT };
 #define PRINTS(place) (1u << (place))
 
 struct known {
@@ -37,6 +39,7 @@ struct known {
 #define KNOWN            "\033[?2026;2$y"
 #define POINTS_NOT       "\033[?1016;0$y"
 #define POINTS_AT        "\033[?1016;2$y"
+#define NARROW           "\033[6;2R"
 #define COLOURED         COLOURS_24BIT
 /* Questions that come out as text, graphics, colours, shape of blocks, whether it synchronizes, the
  * size of a cell, what the mouse counts. */
@@ -52,26 +55,26 @@ static const struct known terminals[] = {
     {AS("xterm-256color", "xterm"),
      {"\033[>41;379;0c", VERSION_IS("XTerm(379)"), NULL, NULL, "\033[?2;3S",
       "\033[?64;1;2;6;9;15;16;17;18;21;22;28c", NOT_KNOWN, NULL, POINTS_AT},
-     FACTS(0, blocks, COLOURED, QUADRANT, false, 8, 16, CELLS)},
+     FACTS(0, quadrants, COLOURED, QUADRANT, false, 8, 16, CELLS)},
     {AS("xterm-kitty", "kitty"),
      {"\033[>1;4000;26c", VERSION_IS("kitty(0.26.5)"), "\033[6;20;9t", "\033[4;400;639t", NULL,
-      "\033[?62;c", KNOWN, KITTY_OK, POINTS_AT},
+      "\033[?62;c", KNOWN, KITTY_OK, POINTS_AT, NARROW},
      FACTS(PRINTS(LIMIT), kitty, COLOURED, SEXTANT, true, 9, 20, PIXELS_FROM_0)},
     {AS("xterm-256color", "kitty over ssh, with a TERM that is known there"),
      {"\033[>1;4000;26c", VERSION_IS("kitty(0.26.5)"), "\033[6;20;9t", "\033[4;400;639t", NULL,
-      "\033[?62;c", KNOWN, KITTY_OK, POINTS_AT},
+      "\033[?62;c", KNOWN, KITTY_OK, POINTS_AT, NARROW},
      FACTS(PRINTS(LIMIT), kitty, COLOURED, SEXTANT, true, 9, 20, PIXELS_FROM_0)},
     {AS("xterm-ghostty", "ghostty"),
      {"\033[>1;10;0c", VERSION_IS("ghostty 1.0.0"), "\033[6;34;16t", NULL, NULL, "\033[?62;22c",
-      KNOWN, KITTY_OK, POINTS_AT},
+      KNOWN, KITTY_OK, POINTS_AT, NARROW},
      FACTS(0, tiles, COLOURED, SEXTANT, true, 16, 34, PIXELS_FROM_0)},
     {AS("xterm-256color", "WezTerm"),
      {"\033[>1;277;0c", VERSION_IS("WezTerm 20240203-110809-5046fc22"), "\033[6;18;8t", NULL, NULL,
-      "\033[?65;4;6;18;22c", KNOWN, KITTY_OK, POINTS_AT},
+      "\033[?65;4;6;18;22c", KNOWN, KITTY_OK, POINTS_AT, NARROW},
      FACTS(0, tiles, COLOURED, SEXTANT, true, 8, 18, PIXELS)},
     {AS("xterm-256color", "WezTerm without kitty graphics"),
      {"\033[>1;277;0c", VERSION_IS("WezTerm 20220319"), "\033[6;18;8t", NULL, NULL,
-      "\033[?65;4;6;18;22c", KNOWN, "\033_Gi=31;ENOTSUPPORTED\033\\", NULL},
+      "\033[?65;4;6;18;22c", KNOWN, "\033_Gi=31;ENOTSUPPORTED\033\\", NULL, NARROW},
      FACTS(0, sixel, COLOURED, SEXTANT, true, 8, 18, CELLS)},
     {AS("xterm-256color", "Konsole"),
      {"\033[>1;220380;0c", VERSION_IS("Konsole 22.12.3"), NULL, "\033[4;480;640t", NULL,
@@ -92,74 +95,82 @@ static const struct known terminals[] = {
     {"xterm started from a shell in iTerm2",
      {.term = "xterm-256color", .term_program = "iTerm.app", .lc_terminal = "iTerm2"},
      {XTERM_SAYS("\033[?64;1;2;6c"), NOT_KNOWN, NULL, POINTS_AT},
-     FACTS(0, blocks, COLOURED, QUADRANT, false, 8, 16, CELLS)},
+     FACTS(0, quadrants, COLOURED, QUADRANT, false, 8, 16, CELLS)},
     {AS("mlterm", "mlterm"),
      {"\033[>24;279;0c", NULL, "\033[6;22;10t", "\033[4;528;800t", "\033[?1;3;0S",
       "\033[?63;1;2;3;4;6;7;15;18;22;29c", NOT_KNOWN, NULL, POINTS_NOT},
      FACTS(0, sixel, COLOURS_256, HALF, false, 10, 22, CELLS)},
     {AS("foot", "foot"),
      {"\033[>1;11301;0c", VERSION_IS("foot(1.13.1)"), "\033[6;15;7t", "\033[4;360;560t",
-      "\033[?2;0;10000;10000S", "\033[?62;4;22c", KNOWN, NULL, POINTS_AT},
+      "\033[?2;0;10000;10000S", "\033[?62;4;22c", KNOWN, NULL, POINTS_AT, NARROW},
      FACTS(0, sixel, COLOURED, SEXTANT, true, 7, 15, PIXELS)},
     {AS("xterm-256color", "VTE"),
      {"\033[>65;7006;1c", VERSION_IS("VTE(7006)"), "\033[6;17;8t", "\033[4;408;640t", NULL,
-      "\033[?65;1;9c", NOT_KNOWN, NULL, POINTS_NOT},
-     FACTS(0, blocks, COLOURED, QUADRANT, false, 8, 17, CELLS)},
+      "\033[?65;1;9c", NOT_KNOWN, NULL, POINTS_NOT, NARROW},
+     FACTS(0, sextants, COLOURED, SEXTANT, false, 8, 17, CELLS)},
+    {AS("xterm-256color", "VTE where sextants are wide"),
+     {"\033[>65;7006;1c", VERSION_IS("VTE(7006)"), NULL, NULL, NULL, "\033[?65;1;9c", NOT_KNOWN,
+      NULL, POINTS_NOT, "\033[6;3R"},
+     FACTS(0, quadrants, COLOURED, QUADRANT, false, 8, 16, CELLS)},
+    {AS("xterm-256color", "VTE before 0.66"),
+     {"\033[>65;6400;1c", VERSION_IS("VTE(6400)"), NULL, NULL, NULL, "\033[?65;1;9c", NOT_KNOWN,
+      NULL, POINTS_NOT},
+     FACTS(0, quadrants, COLOURED, QUADRANT, false, 8, 16, CELLS)},
     {AS("xterm-256color", "an older VTE, without a name"),
      {"\033[>65;6003;1c", NULL, NULL, NULL, NULL, "\033[?65;1;9c", NULL, NULL},
-     FACTS(PRINTS(KITTY), blocks, COLOURED, QUADRANT, false, 8, 16, CELLS)},
+     FACTS(PRINTS(KITTY), quadrants, COLOURED, QUADRANT, false, 8, 16, CELLS)},
     {AS("alacritty", "alacritty"),
      {"\033[>0;1203;1c", NULL, NULL, "\033[4;432;640t", NULL, "\033[?6c", KNOWN, NULL},
-     FACTS(0, blocks, COLOURED, QUADRANT, true, 8, 18, CELLS)},
+     FACTS(0, quadrants, COLOURED, QUADRANT, true, 8, 18, CELLS)},
     {AS("st-256color", "st"),
      {NULL, NULL, NULL, NULL, NULL, "\033[?6c", NULL, NULL},
-     FACTS(0, blocks, COLOURS_256, HALF, false, 8, 16, CELLS)},
+     FACTS(0, halves, COLOURS_256, HALF, false, 8, 16, CELLS)},
     {AS("rxvt-unicode-256color", "urxvt"),
      {"\033[>85;95;0c", NULL, NULL, "\033[4;316;496t", NULL, "\033[?1;2c", NOT_KNOWN, NULL,
       POINTS_NOT},
-     FACTS(PRINTS(KITTY), blocks, COLOURS_256, HALF, false, 6, 13, CELLS)},
+     FACTS(PRINTS(KITTY), halves, COLOURS_256, HALF, false, 6, 13, CELLS)},
     {AS("xterm", "PuTTY"),
      {"\033[>0;136;0c", NULL, NULL, "\033[4;314;496t", NULL, "\033[?6c", NULL, NULL},
-     FACTS(PRINTS(KITTY), blocks, COLOURS_256, HALF, false, 6, 13, CELLS)},
+     FACTS(PRINTS(KITTY), halves, COLOURS_256, HALF, false, 6, 13, CELLS)},
     {AS("xterm-256color", "Apple's Terminal, which prints the p of $p"),
      {"\033[>1;95;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
-     FACTS(PRINTS(KITTY) | PRINTS(MODE), blocks, COLOURS_256, HALF, false, 8, 16, CELLS)},
+     FACTS(PRINTS(KITTY) | PRINTS(MODE), halves, COLOURS_256, HALF, false, 8, 16, CELLS)},
     {AS("screen-256color", "tmux"),
      {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
-     FACTS(0, blocks, COLOURED, HALF, false, 8, 16, CELLS)},
+     FACTS(0, halves, COLOURED, HALF, false, 8, 16, CELLS)},
     {AS("tmux-256color", "tmux with sixel"),
      {"\033[>84;0;0c", VERSION_IS("tmux 3.4"), NULL, NULL, NULL, "\033[?1;2;4c", NULL, NULL},
      FACTS(0, sixel, COLOURED, HALF, false, 8, 16, CELLS)},
     {AS("xterm-kitty", "tmux in kitty, whose TERM has come along"),
      {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
-     FACTS(PRINTS(KITTY), blocks, COLOURED, HALF, false, 8, 16, CELLS)},
+     FACTS(PRINTS(KITTY), halves, COLOURED, HALF, false, 8, 16, CELLS)},
     {"tmux in iTerm2",
      {.term = "screen", .lc_terminal = "iTerm2", .term_program = "tmux"},
      {"\033[>84;0;0c", VERSION_IS("tmux 3.3a"), NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
-     FACTS(PRINTS(KITTY), blocks, COLOURED, HALF, false, 8, 16, CELLS)},
+     FACTS(PRINTS(KITTY), halves, COLOURED, HALF, false, 8, 16, CELLS)},
     {AS("screen", "screen"),
      {"\033[>83;40900;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
-     FACTS(PRINTS(KITTY), blocks, COLOURS_256, HALF, false, 8, 16, CELLS)},
+     FACTS(PRINTS(KITTY), halves, COLOURS_256, HALF, false, 8, 16, CELLS)},
     {AS("screen.xterm-256color", "screen that claims sixel"),
      {"\033[>83;50000;0c", NULL, NULL, NULL, NULL, "\033[?1;2;4c", NULL, NULL},
-     FACTS(PRINTS(KITTY), blocks, COLOURS_256, HALF, false, 8, 16, CELLS)},
+     FACTS(PRINTS(KITTY), halves, COLOURS_256, HALF, false, 8, 16, CELLS)},
     {AS("xterm-kitty", "screen in kitty, whose TERM has come along"),
      {"\033[>83;40900;0c", NULL, NULL, NULL, NULL, "\033[?1;2c", NULL, NULL},
-     FACTS(PRINTS(KITTY), blocks, COLOURS_256, HALF, false, 8, 16, CELLS)},
+     FACTS(PRINTS(KITTY), halves, COLOURS_256, HALF, false, 8, 16, CELLS)},
     {AS("linux", "the Linux console"),
      {NULL, NULL, NULL, NULL, NULL, "\033[?6c", NULL, NULL},
-     FACTS(PRINTS(KITTY) | PRINTS(MODE) | PRINTS(DA2) | PRINTS(VERSION), blocks, COLOURS_16, HALF,
+     FACTS(PRINTS(KITTY) | PRINTS(MODE) | PRINTS(DA2) | PRINTS(VERSION), halves, COLOURS_16, HALF,
            false, 8, 16, CELLS)},
     {AS("eterm-color", "Emacs"),
      {NULL},
-     FACTS(0xFF, blocks, COLOURS_16, HALF, false, 8, 16, CELLS)},
+     FACTS(0xFF, halves, COLOURS_16, HALF, false, 8, 16, CELLS)},
     {AS("dumb", "a dumb terminal"),
      {NULL},
      FACTS(0xFF, none, COLOURS_NONE, HALF, false, 8, 16, CELLS)},
     {AS("", "no TERM at all"), {NULL}, FACTS(0xFF, none, COLOURS_NONE, HALF, false, 8, 16, CELLS)},
     {AS("xterm", "a line that answers nothing"),
      {NULL},
-     FACTS(PRINTS(KITTY) | PRINTS(MODE), blocks, COLOURS_256, HALF, false, 8, 16, CELLS)},
+     FACTS(PRINTS(KITTY) | PRINTS(MODE), halves, COLOURS_256, HALF, false, 8, 16, CELLS)},
 };
 enum { TERMINALS = sizeof terminals / sizeof terminals[0] };
 
@@ -179,6 +190,8 @@ static void answer(const struct known *t, const char *asked, int lost, struct bu
         if (!check_report(!(t->prints >> (which == POINTS ? MODE : which) & 1), __FILE__, __LINE__,
                           "it prints the question"))
             printf("#   %s: question %d\n", t->about, which);
+        if (which == SEXTANT) /* text, for terminals that are known to draw it */
+            CHECK(t->answer[SEXTANT]);
         if (t->answer[which] && which != lost)
             buf_add_text(replies, t->answer[which]);
         asked += strlen(question[which]);
@@ -214,8 +227,7 @@ static void ask(const struct known *t, struct graphics_wish wish, int lost, size
         probe_take(&p->replies, &keys, buf_text(&back) + head, back.length - head, &p->typed);
         p->bytes += back.length;
     }
-    probe_decide(&p->replies, &size, &p->facts);
-    p->facts.graphics = graphics_choose(&p->replies, wish);
+    graphics_decide(&p->replies, &size, wish, &p->facts);
 }
 
 static void check_facts(const struct known *t, const struct terminal_facts *f)
@@ -270,8 +282,7 @@ STORY(the_mouse_counts_pixels_where_the_terminal_says_so)
         struct terminal_facts f;
         snprintf(r.name, sizeof r.name, "%s", cases[i].name);
         probe_reply(&r, cases[i].reply);
-        probe_decide(&r, &size, &f);
-        f.graphics = graphics_choose(&r, graphics_auto);
+        graphics_decide(&r, &size, graphics_auto, &f);
         CHECK_INT(f.mouse_unit, cases[i].unit);
     }
 }
@@ -296,7 +307,7 @@ STORY(an_answer_that_is_missing_leaves_the_fallback)
             const struct known *t = &terminals[i];
             ask(t, graphics_auto, lost, SIZE_MAX);
             const struct graphics *got = probed.facts.graphics;
-            if (!check_report(got == t->graphics || got == &graphics_blocks ||
+            if (!check_report(got == t->graphics || got->kind == GRAPHICS_TEXT ||
                                   (got == &graphics_sixel && probed.replies.attributes >> 4 & 1),
                               __FILE__, __LINE__, "the graphics are there"))
                 printf("#   %s without answer %d: %s\n", t->about, lost, got->name);
@@ -379,10 +390,73 @@ STORY(a_wish_is_kept_and_asks_no_more_than_it_needs)
     probe_questions(0, &xterm, graphics_asks(wish("none"), &xterm.environment), &asked);
     probe_questions(0, &console, graphics_asks(wish("kitty"), &console.environment), &asked);
     CHECK_INT(asked.length, 0);
-    probe_questions(0, &xterm, graphics_asks(wish("blocks"), &xterm.environment), &asked);
+    probe_questions(0, &xterm, graphics_asks(wish("halves"), &xterm.environment), &asked);
     CHECK_TEXT(buf_text(&asked), "\033[c");
     probe_questions(0, &no_color, graphics_asks(graphics_auto, &no_color.environment), &asked);
     CHECK_TEXT(buf_text(&asked), "\033[c\033[c");
+}
+
+/* As fine as the terminal is known to show them. */
+STORY(blocks_are_text_of_any_shape)
+{
+    for (size_t i = 0; i < TERMINALS; i++) {
+        const struct known *t = &terminals[i];
+        ask(t, wish("blocks"), -1, SIZE_MAX);
+        CHECK_INT(probed.facts.graphics->kind, GRAPHICS_TEXT);
+        CHECK_INT(probed.facts.shape, t->shape);
+        CHECK_TEXT(probed.replies.answers, "");
+    }
+}
+
+STORY(tmux_tells_which_terminal_it_is_shown_in)
+{
+    static const struct {
+        const char *answer, *name;
+        bool has_sixel;
+        enum tmux_passing passing;
+    } cases[] = {
+        {"kitty(0.41.1)|256,RGB,ccolour,title|off\n", "kitty(0.41.1)", false, TMUX_PASSES_NOTHING},
+        {"XTerm(398)|256,sixel|all\n", "XTerm(398)", true, TMUX_PASSES},
+        {"foot(1.13.1)|sixel,RGB|1\n", "foot(1.13.1)", true, TMUX_PASSES},
+        {"|bpaste,sixels,nosixel|0\n", "", false, TMUX_PASSES_NOTHING},
+        {"||\n", "", false, TMUX_PASSING_UNKNOWN},
+        {"\n", "\n", false, TMUX_PASSING_UNKNOWN},
+        {"", "", false, TMUX_PASSING_UNKNOWN},
+        {"a|sixel", "a", true, TMUX_PASSING_UNKNOWN},
+        {"a|b|onward\n", "a", false, TMUX_PASSING_UNKNOWN},
+        {"a|b|a long word that is none of these\n", "a", false, TMUX_PASSING_UNKNOWN},
+        {"a name that is longer than any terminal has ever had, by far too much|sixel|on\n", "",
+         true, TMUX_PASSES}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct tmux_client client;
+        tmux_read(&client, cases[i].answer);
+        CHECK_TEXT(client.name, cases[i].name);
+        CHECK_INT(client.has_sixel, cases[i].has_sixel);
+        CHECK_INT(client.passing, cases[i].passing);
+    }
+}
+
+STORY(inside_tmux_text_has_the_shape_of_the_terminal_outside)
+{
+    static const struct {
+        const char *outside;
+        uint32_t column;
+        enum block_shape shape;
+    } cases[] = {{"kitty(0.41.1)", 2, BLOCK_SEXTANT}, {"kitty(0.41.1)", 3, BLOCK_QUADRANT},
+                 {"VTE(7006)", 2, BLOCK_SEXTANT},     {"VTE(6400)", 2, BLOCK_QUADRANT},
+                 {"XTerm(398)", 2, BLOCK_QUADRANT},   {"", 2, BLOCK_HALF}};
+    const struct term_size size = {.columns = 80, .rows = 24};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct probe_replies r = {.environment = TERM("xterm-kitty"),
+                                  .da1 = true,
+                                  .name = "tmux 3.5a",
+                                  .column = cases[i].column};
+        struct terminal_facts f;
+        snprintf(r.outer.name, sizeof r.outer.name, "%s", cases[i].outside);
+        graphics_decide(&r, &size, graphics_auto, &f);
+        CHECK_INT(f.shape, cases[i].shape);
+        CHECK_INT(f.graphics->kind, GRAPHICS_TEXT);
+    }
 }
 
 STORY(modes_are_answered_with_a_number)
@@ -427,8 +501,7 @@ STORY(colours_are_those_of_the_name)
                                                            .colorterm = cases[i].colorterm,
                                                            .no_color = cases[i].no_color}};
         struct terminal_facts f;
-        probe_decide(&none, &size, &f);
-        f.graphics = graphics_choose(&none, graphics_auto);
+        graphics_decide(&none, &size, graphics_auto, &f);
         CHECK_INT(f.colours, cases[i].colours);
     }
 }

@@ -197,7 +197,7 @@ STORY(what_is_refused_says_what_to_type)
     is_refused("verify a -j 0", "-j: expected a number 1..64, not 0");
     is_refused("verify a -j 3x", "-j: expected a number 1..64, not 3x");
     is_refused("run s --graphics loud", "--graphics: expected auto, kitty, tiles, iterm, sixel, "
-                                        "blocks or none, not loud");
+                                        "blocks, sextants, quadrants, halves or none, not loud");
     is_refused("run", "expected `iftty run FILE|-`, and there are 0 operands");
     is_refused("diff a", "expected `iftty diff A B`, and there is 1 operand");
     is_refused("verify --accept why a b",

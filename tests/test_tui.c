@@ -214,7 +214,7 @@ static const char *blocks(const struct image_view *view, enum colours colours, u
     static struct buf out;
     const struct terminal_facts facts = {.colours = colours, .shape = BLOCK_HALF};
     buf_clear(&out);
-    graphics_blocks.lines(&facts, view, columns, rows, &out);
+    graphics_halves.lines(&facts, view, columns, rows, &out);
     return buf_text(&out);
 }
 
@@ -583,8 +583,7 @@ static struct terminal_facts decide(const char *term, const char *replies_text, 
     if (strstr(replies_text, "_Gi=31"))
         CHECK(graphics_kitty.question.may_ask(&heard));
     CHECK(graphics_from_name(name, &wish));
-    probe_decide(&heard, &size, &facts);
-    facts.graphics = graphics_choose(&heard, wish);
+    graphics_decide(&heard, &size, wish, &facts);
     return facts;
 }
 
@@ -597,19 +596,19 @@ STORY(each_terminal_gets_the_graphics_it_has)
     } cases[] = {
         {"xterm-256color", "\033[>41;379;0c\033P>|XTerm(379)\033\\\033[?63;1;2;4;6c",
          &graphics_sixel, COLOURS_24BIT},
-        {"xterm-256color", "\033P>|XTerm(379)\033\\\033[?64;1;2;6c", &graphics_blocks,
+        {"xterm-256color", "\033P>|XTerm(379)\033\\\033[?64;1;2;6c", &graphics_quadrants,
          COLOURS_24BIT},
         {"xterm-kitty", "\033P>|kitty(0.26.5)\033\\\033[?62c\033_Gi=31;OK\033\\\033[?62c",
          &graphics_kitty, COLOURS_24BIT},
         {"foot", "\033P>|foot(1.13.1)\033\\\033[?62;4;22c", &graphics_sixel, COLOURS_24BIT},
         {"mlterm", "\033[?63;1;2;3;4;7;29c", &graphics_sixel, COLOURS_256},
-        {"screen-256color", "\033P>|tmux 3.3a\033\\\033[?1;2c", &graphics_blocks, COLOURS_24BIT},
+        {"screen-256color", "\033P>|tmux 3.3a\033\\\033[?1;2c", &graphics_halves, COLOURS_24BIT},
         {"tmux-256color", "\033P>|tmux 3.4\033\\\033[?1;2;4c", &graphics_sixel, COLOURS_24BIT},
-        {"screen", "\033[?1;2;4c", &graphics_blocks, COLOURS_256},
-        {"linux", "", &graphics_blocks, COLOURS_16},
+        {"screen", "\033[?1;2;4c", &graphics_halves, COLOURS_256},
+        {"linux", "", &graphics_halves, COLOURS_16},
         {"dumb", "", &graphics_none, COLOURS_NONE},
         {"", "", &graphics_none, COLOURS_NONE},
-        {"rxvt-unicode-256color", "\033[?1;2c", &graphics_blocks, COLOURS_256}};
+        {"rxvt-unicode-256color", "\033[?1;2c", &graphics_halves, COLOURS_256}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct terminal_facts f = decide(cases[i].term, cases[i].replies, "auto", false);
         CHECK_TEXT(f.graphics->name, cases[i].graphics->name);
@@ -625,14 +624,14 @@ STORY(a_wish_overrides_and_no_color_means_shades)
           &graphics_kitty);
     CHECK(decide("xterm", vt340, "tiles", false).graphics == &graphics_tiles);
     CHECK(decide("xterm", vt340, "none", false).graphics == &graphics_none);
-    CHECK(decide("xterm", vt340, "auto", true).graphics == &graphics_blocks);
+    CHECK(decide("xterm", vt340, "auto", true).graphics == &graphics_halves);
     CHECK_INT(decide("xterm", vt340, "auto", true).colours, COLOURS_NONE);
-    struct graphics_wish only_blocks, only_none, only_kitty;
-    CHECK(graphics_from_name("blocks", &only_blocks) && graphics_from_name("none", &only_none) &&
+    struct graphics_wish only_halves, only_none, only_kitty;
+    CHECK(graphics_from_name("halves", &only_halves) && graphics_from_name("none", &only_none) &&
           graphics_from_name("kitty", &only_kitty));
     struct probe_environment e = {.term = "xterm", .colorterm = ""};
     CHECK(!probe_is_silent(&e, graphics_asks(graphics_auto, &e)));
-    CHECK(!probe_is_silent(&e, graphics_asks(only_blocks, &e))); /* one question: see test_probe */
+    CHECK(!probe_is_silent(&e, graphics_asks(only_halves, &e))); /* one question: see test_probe */
     CHECK(probe_is_silent(&e, graphics_asks(only_none, &e)));
     e = (struct probe_environment){.term = "linux", .colorterm = ""};
     CHECK(probe_is_silent(&e, graphics_asks(only_kitty, &e)));

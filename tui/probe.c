@@ -17,6 +17,7 @@
 enum { LIMIT_MS = 2000, OWED_MS = 300 };
 enum { SIDE_UNTOLD = 1000, CELL_LEAST = 4, CELL_MOST = 64 };
 enum { KIND_SCREEN = 'S', KIND_TMUX = 'T', KIND_VTE = 65, KIND_XTERM = 41 }; /* in DA2 */
+enum { VTE_SEXTANTS = 6600 };                                                /* version 0.66 */
 
 /* ---- replies ---- */
 
@@ -65,9 +66,11 @@ void probe_reply(struct probe_replies *replies, const char *body)
             *has = n[1] == 1 || n[1] == 2;
         }
     } else if (starts_with(body, "[>")) {
-        read_numbers(body + 2, n, 32, &end);
-        if (equals(end, "c"))
+        const unsigned count = read_numbers(body + 2, n, 32, &end);
+        if (equals(end, "c")) {
             replies->kind = n[0];
+            replies->version = count > 1 ? n[1] : 0;
+        }
     } else if (starts_with(body, "P>|")) {
         size_t length = strnlen(body + 3, sizeof replies->name - 1);
         memcpy(replies->name, body + 3, length);
@@ -77,6 +80,8 @@ void probe_reply(struct probe_replies *replies, const char *body)
         snprintf(replies->answers + used, room, "%s\n", body);
     } else if (body[0] == '[') {
         unsigned count = read_numbers(body + 1, n, 32, &end);
+        if (equals(end, "R") && count == 2)
+            replies->column = n[1];
         if (!equals(end, "t") || count != 3)
             return;
         if (n[0] == 6) {
@@ -242,18 +247,36 @@ static enum colours decide_colours(const struct probe_replies *replies)
                                                                           : COLOURS_256;
 }
 
-/* Terminals that draw these characters themselves have them with any font; half blocks are in every
- * font. The terminal outside a multiplexer is unknown. */
-static enum block_shape decide_shape(const struct probe_replies *replies)
+/* Return the name of the terminal that draws: of the one outside tmux, "" if unknown. */
+static const char *drawing_name(const struct probe_replies *replies)
+{
+    return probe_is_screen(replies) ? ""
+           : in_tmux(replies)       ? replies->outer.name
+           : replies->name[0]       ? replies->name
+                                    : replies->environment.term;
+}
+
+bool probe_draws_sextants(const struct probe_replies *replies)
 {
     static const char *const sextant[] = {"kitty", "foot", "wezterm", "ghostty", "contour", NULL};
+    const char *name = drawing_name(replies);
+    const uint32_t vte = starts_with(name, "VTE(")   ? (uint32_t)strtoul(name + 4, NULL, 10)
+                         : replies->kind == KIND_VTE ? replies->version
+                                                     : 0;
+    if (!replies->name[0] && !replies->kind) /* TERM may be stale inside screen */
+        return false;
+    return vte >= VTE_SEXTANTS || any(contains, name, sextant);
+}
+
+/* Half blocks are in every font. */
+enum block_shape probe_shape(const struct probe_replies *replies)
+{
     static const char *const quadrant[] = {"alacritty", "konsole", "iterm2", "vte", "xterm(", NULL};
-    if (probe_is_multiplexed(replies))
-        return BLOCK_HALF;
-    if (probe_is_named(replies, sextant))
-        return BLOCK_SEXTANT;
-    return probe_is_named(replies, quadrant) || replies->kind == KIND_VTE ? BLOCK_QUADRANT
-                                                                          : BLOCK_HALF;
+    if (probe_draws_sextants(replies))
+        return replies->column == 2 ? BLOCK_SEXTANT : BLOCK_QUADRANT;
+    return any(contains, drawing_name(replies), quadrant) || replies->kind == KIND_VTE
+               ? BLOCK_QUADRANT
+               : BLOCK_HALF;
 }
 
 static bool use_cell(struct terminal_facts *facts, uint32_t width, uint32_t height)
@@ -277,7 +300,7 @@ void probe_decide(const struct probe_replies *replies, const struct term_size *s
                                      .cell_width = 8,
                                      .cell_height = 16,
                                      .image_side_most = SIDE_UNTOLD,
-                                     .shape = decide_shape(replies),
+                                     .shape = probe_shape(replies),
                                      .answers = replies->da1,
                                      .synchronizes = replies->synchronizes,
                                      .mouse = replies->da1};
@@ -375,6 +398,8 @@ enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
         answer_due = await_replies(replies, 1, LIMIT_MS, typed) == 0;
         if (!answer_due)
             round_trip_ns = clock_ns() - begin;
+        if (round == 0 && wish.depth == PROBE_ALL && in_tmux(replies))
+            tmux_ask(&replies->outer);
     }
     const struct term_size size = term_size();
     probe_decide(replies, &size, facts);

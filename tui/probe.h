@@ -19,9 +19,13 @@
  *     ESC_Gi=31,..,a=q;.. ESC\ ESC[c CR ESC[K      kitty graphics, for its family alone; PuTTY,
  *                                                  urxvt and screen print it all
  *
+ *     CR U+1FB00 ESC[6n        ESC[6;2R: it moves the cursor by one cell; only for terminals that
+ *                              are known to draw it
+ *
  * Inside tmux and screen neither the outer terminal nor the environment counts: the DA1 of the
  * multiplexer does, and screen passes no graphics at all. The secondary DA names either of them
- * whatever TERM is: ESC[>83;.. screen, ESC[>84;.. tmux.
+ * whatever TERM is: ESC[>83;.. screen, ESC[>84;.. tmux. tmux itself is asked which terminal it is
+ * shown in (tui/tmux.h).
  *
  * The Linux console and similar terminals get no question. For --graphics blocks or without colours
  * the only question is ESC[c, since the frames of a slow line need its answers; for "none" there is
@@ -40,13 +44,14 @@
 #include "base/err.h"
 #include "tui/keys.h"
 #include "tui/term.h"
+#include "tui/tmux.h"
 
 enum { PROBE_QUESTIONS_MOST = 8 }; /* questions for some terminals only */
 
 enum colours { COLOURS_NONE, COLOURS_16, COLOURS_256, COLOURS_24BIT };
 
 /* Pixels that a cell of text shows in two colours: 1x2, 2x2 (U+2596..259F) or 2x3
- * (U+1FB00..1FB3B), as far as the terminal's font is known to have them. */
+ * (U+1FB00..1FB3B). */
 enum block_shape { BLOCK_HALF, BLOCK_QUADRANT, BLOCK_SEXTANT };
 
 struct terminal_facts {
@@ -54,7 +59,7 @@ struct terminal_facts {
     enum colours colours;
     uint32_t cell_width, cell_height; /* px, 4..64 */
     uint32_t image_side_most;         /* px; a larger picture may not be drawn at all */
-    enum block_shape shape;           /* the finest that its font is known to have */
+    enum block_shape shape;           /* pictures of text have this one */
     bool answers;                     /* it answered DA1, so barriers work */
     bool answer_due;                  /* it was asked and has not answered yet */
     bool synchronizes;                /* ESC[?2026h .. l: output between them appears at once */
@@ -78,7 +83,10 @@ struct probe_replies {
     char answers
         [64];      /* replies to questions about graphics protocols, APC: "_Gi=31;OK", one a line */
     uint32_t kind; /* the first number of the secondary DA; if it is a letter, its code */
-    char name[64]; /* from XTVERSION */
+    uint32_t version; /* the second number */
+    uint32_t column;  /* column of the cursor, from 1, after U+1FB00 at the edge; 0: unknown */
+    char name[64];    /* from XTVERSION */
+    struct tmux_client outer; /* the terminal outside, inside tmux; zeroed if unknown */
     uint32_t cell_width, cell_height, text_width, text_height, image_width, image_height; /* px */
 };
 
@@ -105,6 +113,13 @@ bool probe_is_screen(const struct probe_replies *replies);
 bool probe_is_named(const struct probe_replies *replies, const char *const *names);
 
 bool probe_is_iterm(const struct probe_replies *replies);
+
+/* Return true if it is known to draw sextants itself, whatever its font has. Inside tmux, the
+ * terminal outside. */
+bool probe_draws_sextants(const struct probe_replies *replies);
+
+/* Return the finest shape that the terminal is known to show. */
+enum block_shape probe_shape(const struct probe_replies *replies);
 
 /* ---- the questions ---- */
 

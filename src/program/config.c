@@ -50,6 +50,11 @@ static enum err take_theme(struct config *config, const char *words, struct faul
     return OK;
 }
 
+static enum err take_graphics(struct config *config, const char *words, struct fault *fault)
+{
+    return graphics_read(words, "graphics", &config->graphics, fault);
+}
+
 /* Read voxels, or halves of a millimetre. */
 static bool take_radius(const char **at, struct pilot_brush *brush)
 {
@@ -162,9 +167,10 @@ static enum err take_start(struct config *config, const char *words, struct faul
 }
 
 /* The first words of lines, and their functions. */
-#define KINDS "theme|brush|window|key|pager|ahead|start"
+#define KINDS "theme|graphics|brush|window|key|pager|ahead|start"
 static enum err (*const take[])(struct config *config, const char *words, struct fault *fault) = {
-    take_theme, take_brush, take_window, take_keys, take_pager, take_ahead, take_start};
+    take_theme, take_graphics, take_brush, take_window,
+    take_keys,  take_pager,    take_ahead, take_start};
 
 /* ---- lines ---- */
 
@@ -175,7 +181,8 @@ static enum err take_line(struct config *config, const char *line, struct fault 
     const int kind = choice_find(KINDS, buf_text(&word));
     if (kind >= 0)
         return take[kind](config, line, fault);
-    fault_set(fault, ERR_USAGE, "expected theme, brush, window, key, pager, ahead or start, not %s",
+    fault_set(fault, ERR_USAGE,
+              "expected theme, graphics, brush, window, key, pager, ahead or start, not %s",
               buf_text(&word));
     return near_append_choices(buf_text(&word), KINDS, fault);
 }

@@ -200,12 +200,16 @@ static void add_options(struct buf *out, const struct program_table *table,
         const size_t before = out->length;
         if (!*option->help)
             continue;
-        buf_printf(out, "%*s%s%s", INDENT, "", option->name, option->value ? " " : "");
-        if (option->add_choices)
-            option->add_choices(out, "|", "|");
-        else if (option->value)
-            buf_add_text(out, option->value);
-        add_wrapped(out, option->help, out->length - before, OPTION_COLUMN);
+        OWNED(buf_release) struct buf help = {0};
+        buf_printf(out, "%*s%s%s%s", INDENT, "", option->name, option->value ? " " : "",
+                   option->value ? option->value : "");
+        buf_add_text(&help, option->help);
+        if (option->add_choices) {
+            buf_add_text(&help, ": ");
+            option->add_choices(&help, ", ", " or ");
+        }
+        out->failed |= help.failed;
+        add_wrapped(out, buf_text(&help), out->length - before, OPTION_COLUMN);
     }
 }
 

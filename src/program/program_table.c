@@ -30,12 +30,7 @@ static enum err read_graphics(const struct option *option, const char *text, voi
                               struct fault *fault)
 {
     struct options *o = out;
-    if (graphics_from_name(text, &o->graphics))
-        return OK;
-    OWNED(buf_release) struct buf names = {0};
-    option->add_choices(&names, ", ", " or ");
-    fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", option->name, buf_text(&names), text);
-    return ERR_USAGE;
+    return graphics_read(text, option->name, &o->graphics, fault);
 }
 
 #define FLAG(member) option_read_flag, offsetof(struct options, member), 0, 0, NULL

@@ -79,6 +79,8 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
  *
  *     # dark, light or none
  *     theme light
+ *     # how pictures are shown, a word of --graphics
+ *     graphics sextants
  *     # initial brush of the pilot: a label, a radius
  *     brush 3 2
  *     # whether trees grow from its seeds; without this line only if there is no segmentation
@@ -108,8 +110,9 @@ enum { CONFIG_BYTES_MOST = 64 << 10, CONFIG_LINE_MOST = 1000, CONFIG_LINES_MOST 
 
 struct config {
     struct pilot_setup setup;
-    bool plain_answers; /* print answers without a pager */
-    bool has_start;     /* there is a line `start` */
+    struct graphics_wish graphics; /* {0}: chosen by the terminal */
+    bool plain_answers;            /* print answers without a pager */
+    bool has_start;                /* there is a line `start` */
     struct buf path;
     struct buf start; /* commands, each on a line after its line number and a blank */
     struct buf words; /* messages about ignored lines, safe to print */

@@ -466,7 +466,8 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .finished = prompt->host.finished};
     OWNED(buf_release) struct buf history = {0};
     const bool has_history = !prompt->lesson && line_history_path(&history);
-    const struct repl_options how = {.graphics = o->graphics,
+    const struct repl_options how = {.graphics =
+                                         o->graphics.count ? o->graphics : prompt->config.graphics,
                                      .history_path = has_history ? buf_text(&history) : NULL,
                                      .pages = !prompt->config.plain_answers,
                                      .pager = getenv("PAGER"),

@@ -565,7 +565,7 @@ static enum err watch_at_terminal(const struct options *o, struct interpreter *i
         err = watched_draw(&w.watched, o->from, fault);
     console_erase_progress();
     if (!err)
-        err = run_screen_once(&host, o->graphics, fault);
+        err = run_screen_once(&host, o->graphics.count ? o->graphics : config->graphics, fault);
     if (!err) {
         watched_verdict(&words, &w.watched);
         buf_add_char(&words, '\n');

@@ -75,8 +75,7 @@ static void check_facts(const struct probe_replies *replies)
         in.environment = (struct probe_environment){.term = terms[i]};
         struct terminal_facts facts;
         OWNED(buf_release) struct buf asked = {0};
-        probe_decide(&in, &size, &facts);
-        facts.graphics = graphics_choose(&in, graphics_auto);
+        graphics_decide(&in, &size, graphics_auto, &facts);
         probe_questions(1, &in, graphics_asks(graphics_auto, &in.environment), &asked);
         HOLDS(facts.graphics && facts.cell_width >= 4 && facts.cell_width <= 64);
         HOLDS(facts.cell_height >= 4 && facts.cell_height <= 64 && facts.image_side_most > 0);

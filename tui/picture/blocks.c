@@ -373,11 +373,38 @@ static bool show(struct painter *p, const struct image_view *view, struct buf *o
     return !out->failed;
 }
 
-const struct graphics graphics_blocks = {
-    .name = "blocks",
+static bool has_sextants(const struct probe_replies *replies)
+{
+    return probe_shape(replies) == BLOCK_SEXTANT;
+}
+
+static bool has_quadrants(const struct probe_replies *replies)
+{
+    return probe_shape(replies) >= BLOCK_QUADRANT;
+}
+
+#define TEXT .kind = GRAPHICS_TEXT, .cell_pixels = cell_pixels, .show = show, .lines = lines
+
+const struct graphics graphics_sextants = {
+    .name = "sextants",
+    .title = "sextants",
+    .fits = has_sextants,
+    .question = {"\r\xF0\x9F\xAC\x80\033[6n", probe_draws_sextants},
+    .shape = BLOCK_SEXTANT,
+    TEXT,
+};
+
+const struct graphics graphics_quadrants = {
+    .name = "quadrants",
+    .title = "quadrants",
+    .fits = has_quadrants,
+    .shape = BLOCK_QUADRANT,
+    TEXT,
+};
+
+const struct graphics graphics_halves = {
+    .name = "halves",
     .title = "half blocks",
-    .kind = GRAPHICS_TEXT,
-    .cell_pixels = cell_pixels,
-    .show = show,
-    .lines = lines,
+    .shape = BLOCK_HALF,
+    TEXT,
 };

@@ -11,17 +11,19 @@
 const struct graphics graphics_none = {
     .name = "none", .title = "nothing", .kind = GRAPHICS_NOTHING};
 
-static const struct graphics *const table[] = {&graphics_kitty, &graphics_tiles,  &graphics_iterm,
-                                               &graphics_sixel, &graphics_blocks, &graphics_none};
-enum { PROTOCOLS = sizeof table / sizeof table[0] };
+static const struct graphics *const table[] = {
+    &graphics_kitty,    &graphics_tiles,     &graphics_iterm,  &graphics_sixel,
+    &graphics_sextants, &graphics_quadrants, &graphics_halves, &graphics_none};
+enum { PROTOCOLS = sizeof table / sizeof table[0], TEXTS = 3, FIRST_TEXT = PROTOCOLS - TEXTS - 1 };
 
-static const char any[] = "auto";
+static const char any[] = "auto", any_text[] = "blocks";
 const struct graphics_wish graphics_auto = {table, PROTOCOLS};
 
 bool graphics_from_name(const char *name, struct graphics_wish *wish)
 {
-    *wish = graphics_auto;
-    if (strcmp(name, any) == 0)
+    *wish = strcmp(name, any_text) == 0 ? (struct graphics_wish){table + FIRST_TEXT, TEXTS}
+                                        : graphics_auto;
+    if (strcmp(name, any) == 0 || strcmp(name, any_text) == 0)
         return true;
     wish->count = 1;
     for (; wish->of < table + PROTOCOLS; wish->of++)
@@ -33,17 +35,30 @@ bool graphics_from_name(const char *name, struct graphics_wish *wish)
 void graphics_add_names(struct buf *out, const char *between, const char *before_last)
 {
     buf_add_text(out, any);
-    for (size_t i = 0; i < PROTOCOLS; i++)
+    for (size_t i = 0; i < PROTOCOLS; i++) {
+        if (i == FIRST_TEXT)
+            buf_printf(out, "%s%s", between, any_text);
         buf_printf(out, "%s%s", i + 1 < PROTOCOLS ? between : before_last, table[i]->name);
+    }
+}
+
+enum err graphics_read(const char *name, const char *where, struct graphics_wish *wish,
+                       struct fault *fault)
+{
+    OWNED(buf_release) struct buf names = {0};
+    if (graphics_from_name(name, wish))
+        return OK;
+    graphics_add_names(&names, ", ", " or ");
+    return fault_set(fault, ERR_USAGE, "%s: expected %s, not %s", where, buf_text(&names), name);
 }
 
 /* ---- which the terminal has ---- */
 
-/* Text needs only to know whether frames are answered. */
+/* Text of a given shape needs only to know whether frames are answered. */
 struct probe_wish graphics_asks(struct graphics_wish wish, const struct probe_environment *e)
 {
     const enum graphics_kind kind = wish.of[0]->kind;
-    const bool text = kind == GRAPHICS_TEXT || (wish.count > 1 && e->no_color);
+    const bool text = wish.count > 1 ? e->no_color : kind == GRAPHICS_TEXT;
     struct probe_wish asks = {.depth = kind == GRAPHICS_NOTHING ? PROBE_NOTHING
                                        : text                   ? PROBE_BARRIERS
                                                                 : PROBE_ALL};
@@ -61,8 +76,7 @@ static const struct graphics *all_of(const struct graphics *g, const struct prob
     return !g->made_by || probe_is_named(replies, maker) ? g : g->instead;
 }
 
-const struct graphics *graphics_choose(const struct probe_replies *replies,
-                                       struct graphics_wish wish)
+static const struct graphics *choose(const struct probe_replies *replies, struct graphics_wish wish)
 {
     const struct probe_environment *e = &replies->environment;
     for (size_t i = 0; i + 1 < wish.count; i++) {
@@ -73,6 +87,20 @@ const struct graphics *graphics_choose(const struct probe_replies *replies,
             return all_of(g, replies);
     }
     return all_of(wish.of[wish.count - 1], replies);
+}
+
+static void take_graphics(const struct graphics *graphics, struct terminal_facts *facts)
+{
+    facts->graphics = graphics;
+    if (graphics->kind == GRAPHICS_TEXT)
+        facts->shape = graphics->shape;
+}
+
+void graphics_decide(const struct probe_replies *replies, const struct term_size *size,
+                     struct graphics_wish wish, struct terminal_facts *facts)
+{
+    probe_decide(replies, size, facts);
+    take_graphics(choose(replies, wish), facts);
 }
 
 const char *graphics_recovery(const struct terminal_facts *facts)
@@ -87,7 +115,7 @@ enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts,
     char words[TERM_WORDS];
     const enum err err =
         probe_terminal(graphics_asks(wish, &replies.environment), &replies, facts, typed, fault);
-    facts->graphics = graphics_choose(&replies, wish);
+    take_graphics(choose(&replies, wish), facts);
     snprintf(words, sizeof words, "%s%s", graphics_recovery(facts),
              facts->synchronizes ? "\033[?2026l" : "");
     term_set_recovery(words, facts->answers);

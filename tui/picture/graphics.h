@@ -20,7 +20,7 @@
 #include "tui/picture/painter.h"
 
 extern const struct graphics graphics_kitty, graphics_tiles, graphics_iterm, graphics_sixel,
-    graphics_blocks, graphics_none;
+    graphics_sextants, graphics_quadrants, graphics_halves, graphics_none;
 
 /* Protocols that may be used, best first: the first that fits, else the last. A single one needs no
  * detection. */
@@ -32,10 +32,15 @@ struct graphics_wish {
 /* All of them: chosen by the terminal. */
 extern const struct graphics_wish graphics_auto;
 
-/* Read "auto" or the name of a protocol; return false for another word. */
+/* Read "auto", "blocks", which means pictures made of text, or the name of a protocol; return false
+ * for another word. */
 bool graphics_from_name(const char *name, struct graphics_wish *wish);
 
-/* Add "auto, kitty, tiles, iterm, sixel, blocks or none", with these words between the names. */
+/* The same; ERR_USAGE for another word: "WHERE: expected auto, kitty .. or none, not loud". */
+enum err graphics_read(const char *name, const char *where, struct graphics_wish *wish,
+                       struct fault *fault);
+
+/* Add "auto, kitty, .., blocks, sextants, .. or none", with these words between the names. */
 void graphics_add_names(struct buf *out, const char *between, const char *before_last);
 
 /* ---- which the terminal has ---- */
@@ -44,9 +49,9 @@ void graphics_add_names(struct buf *out, const char *between, const char *before
 struct probe_wish graphics_asks(struct graphics_wish wish,
                                 const struct probe_environment *environment);
 
-/* Choose the row that shows pictures, by the replies. */
-const struct graphics *graphics_choose(const struct probe_replies *replies,
-                                       struct graphics_wish wish);
+/* Derive all facts from the replies (probe_decide), with the row that shows pictures. */
+void graphics_decide(const struct probe_replies *replies, const struct term_size *size,
+                     struct graphics_wish wish, struct terminal_facts *facts);
 
 /* Ask the terminal, which must be open and raw (probe_terminal), and decide; set the recovery
  * sequence of tui/term.h. Keys typed meanwhile are added to `typed`. */

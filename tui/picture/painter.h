@@ -215,6 +215,7 @@ struct graphics {
     const struct keeping *keeping;                  /* NULL: the terminal stores nothing */
 
     /* -- text -- */
+    enum block_shape shape;
     void (*cell_pixels)(const struct terminal_facts *, uint32_t *width, uint32_t *height);
     bool (*show)(struct painter *, const struct image_view *, struct buf *);
     void (*lines)(const struct terminal_facts *, const struct image_view *, uint32_t columns,
