@@ -18,7 +18,8 @@ enum { KITTY_PICTURES = 1024, KITTY_PLACEMENTS = 2048 };
 
 struct kitty_picture {
     bool is_there;
-    uint32_t number; /* 0: none given */
+    uint32_t number;        /* 0: none given */
+    uint32_t columns, rows; /* U=1: it is shown by cells of text that name it; else 0 */
     uint64_t age;
     struct decoded_png png;
 };
@@ -198,10 +199,15 @@ static inline bool kitty_take(struct kitty_screen *k, struct decoded_png *png, u
         return false;
     for (unsigned i = 0; i < KITTY_PICTURES; i++)
         if (!k->picture[i].is_there) {
-            k->picture[i] = (struct kitty_picture){true, number, k->pictures++, *png};
+            const bool is_in_cells = kitty_value(k->keys, "U") == 1;
+            const uint32_t columns = is_in_cells ? kitty_value(k->keys, "c") : 0;
+            const uint32_t rows = is_in_cells ? kitty_value(k->keys, "r") : 0;
+            k->picture[i] =
+                (struct kitty_picture){true, number, columns, rows, k->pictures++, *png};
             *png = (struct decoded_png){0};
-            const bool fine =
-                *kitty_key(k->keys, "a") == 't' || kitty_place(k, k->keys, column, row);
+            const bool fine = is_in_cells ? columns > 0 && rows > 0
+                                          : *kitty_key(k->keys, "a") == 't' ||
+                                                kitty_place(k, k->keys, column, row);
             kitty_keep_quota(k);
             return fine;
         }

@@ -136,8 +136,8 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
 {
     static const char *const bad[][2] = {
         {"theme blue", "c:1: expected dark|light|none, not blue; left out\n"},
-        {"graphics loud", "c:1: graphics: expected auto, kitty, tiles, iterm, sixel, blocks, "
-                          "sextants, quadrants, halves or none, not loud; left out\n"},
+        {"graphics loud", "c:1: graphics: expected auto, kitty, tiles, placeholders, iterm, sixel, "
+                          "blocks, sextants, quadrants, halves or none, not loud; left out\n"},
         {"\nthem dark", "c:2: expected theme, graphics, brush, window, key, pager, ahead or start, "
                         "not them; did you mean "
                         "theme?; left out\n"},

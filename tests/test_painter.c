@@ -85,11 +85,13 @@ static struct image_view filled(uint32_t width, uint32_t height, uint64_t *seed)
 
 /* ---- terminals ---- */
 
-enum { CELLS_MOST = 64 };
+enum { CELLS_MOST = 160, PLACEHOLDER = 0x10EEEE };
 
 struct glyph {
     uint32_t point;
     int64_t ink, paper; /* -1 is the terminal's */
+    uint8_t marks;      /* of a placeholder: row, column and highest byte, */
+    unsigned mark[3];   /* by their places in kitty's list */
 };
 
 struct screen {
@@ -115,7 +117,7 @@ static void draw(uint32_t width, uint32_t height, const uint32_t *pixel)
 static void erase_cells(unsigned count)
 {
     for (unsigned i = 0; i < count && screen.column + i < CELLS_MOST; i++)
-        screen.cell[screen.row][screen.column + i] = (struct glyph){0, -1, -1};
+        screen.cell[screen.row][screen.column + i] = (struct glyph){.ink = -1, .paper = -1};
     for (uint32_t y = 0; y < screen.cell_height; y++)
         for (uint32_t x = 0; x < count * screen.cell_width; x++)
             if (screen.column * screen.cell_width + x < SIDE_MOST &&
@@ -207,20 +209,98 @@ static const char *take_csi(const char *text)
     return text + 1;
 }
 
+/* The first of gen/rowcolumn-diacritics.txt of kitty; -1 for another character. */
+static int mark_of(uint32_t point)
+{
+    static const uint16_t kitty[] = {
+        0x305, 0x30d, 0x30e, 0x310, 0x312, 0x33d, 0x33e, 0x33f, 0x346, 0x34a, 0x34b, 0x34c, 0x350,
+        0x351, 0x352, 0x357, 0x35b, 0x363, 0x364, 0x365, 0x366, 0x367, 0x368, 0x369, 0x36a, 0x36b,
+        0x36c, 0x36d, 0x36e, 0x36f, 0x483, 0x484, 0x485, 0x486, 0x487, 0x592, 0x593, 0x594, 0x595,
+        0x597, 0x598, 0x599, 0x59c, 0x59d, 0x59e, 0x59f, 0x5a0, 0x5a1, 0x5a8, 0x5a9, 0x5ab, 0x5ac,
+        0x5af, 0x5c4, 0x610, 0x611, 0x612, 0x613, 0x614, 0x615, 0x616, 0x617, 0x657, 0x658};
+    for (size_t i = 0; i < sizeof kitty / sizeof kitty[0]; i++)
+        if (kitty[i] == point)
+            return (int)i;
+    return -1;
+}
+
+static bool take_mark(uint32_t point)
+{
+    if (screen.column == 0)
+        return false;
+    struct glyph *base = &screen.cell[screen.row][screen.column - 1];
+    const int mark = mark_of(point);
+    if (mark < 0 || base->point != PLACEHOLDER || base->marks == 3)
+        return false;
+    base->mark[base->marks++] = (unsigned)mark;
+    return true;
+}
+
 static const char *take_character(const char *text)
 {
     const uint8_t *c = (const uint8_t *)text;
-    unsigned length = c[0] < 0x80 ? 1 : c[0] < 0xF0 ? 3 : 4;
-    uint32_t point = c[0] < 0x80 ? c[0] : c[0] < 0xF0 ? c[0] & 15u : c[0] & 7u;
+    unsigned length = c[0] < 0x80 ? 1 : c[0] < 0xE0 ? 2 : c[0] < 0xF0 ? 3 : 4;
+    uint32_t point = c[0] < 0x80   ? c[0]
+                     : c[0] < 0xE0 ? c[0] & 31u
+                     : c[0] < 0xF0 ? c[0] & 15u
+                                   : c[0] & 7u;
     for (unsigned i = 1; i < length; i++) {
         if ((c[i] & 0xC0) != 0x80)
             return NULL;
         point = point << 6 | (c[i] & 63u);
     }
+    if (length == 2)
+        return take_mark(point) ? text + length : NULL;
     if (point < ' ' || screen.column >= CELLS_MOST || screen.row >= CELLS_MOST)
         return NULL;
-    screen.cell[screen.row][screen.column++] = (struct glyph){point, screen.ink, screen.paper};
+    screen.cell[screen.row][screen.column++] =
+        (struct glyph){.point = point, .ink = screen.ink, .paper = screen.paper};
     return text + length;
+}
+
+/* A command that tmux passes on: the terminal outside gets it with each pair of ESC as one. */
+static const char *take_passed(const char *text)
+{
+    OWNED(buf_release) struct buf inner = {0};
+    for (text += strlen("\033Ptmux;"); *text; text++) {
+        if (*text == '\033' && text[1] == '\\') {
+            const char *end = kitty_feed(&screen.kitty, buf_text(&inner), 0, 0);
+            return end && !*end ? text + 2 : NULL;
+        }
+        text += *text == '\033';
+        buf_add_char(&inner, *text);
+    }
+    return NULL;
+}
+
+/* Draw the cells that name pictures: one without marks continues the one to its left. */
+static void draw_placeholders(uint32_t *seen)
+{
+    for (unsigned y = 0; y < CELLS_MOST; y++) {
+        struct glyph left = {0};
+        for (unsigned x = 0; x < CELLS_MOST; x++) {
+            struct glyph g = screen.cell[y][x];
+            if (g.point == PLACEHOLDER && g.marks == 0 && left.point == PLACEHOLDER &&
+                left.ink == g.ink) {
+                memcpy(g.mark, left.mark, sizeof g.mark);
+                g.mark[1]++;
+            }
+            left = g;
+            const struct kitty_picture *p =
+                g.point == PLACEHOLDER
+                    ? kitty_find(&screen.kitty, g.mark[2] << 24 | (uint32_t)g.ink)
+                    : NULL;
+            const uint32_t width = screen.cell_width, height = screen.cell_height;
+            const uint32_t from_x = g.mark[1] * width, from_y = g.mark[0] * height;
+            if (!p || p->columns * width != p->png.width || p->rows * height != p->png.height ||
+                g.mark[1] >= p->columns || g.mark[0] >= p->rows)
+                continue;
+            for (uint32_t j = 0; j < height && y * height + j < SIDE_MOST; j++)
+                for (uint32_t i = 0; i < width && x * width + i < SIDE_MOST; i++)
+                    seen[(y * height + j) * SIDE_MOST + x * width + i] =
+                        p->png.pixel[(size_t)(from_y + j) * p->png.width + from_x + i];
+        }
+    }
 }
 
 /* False where the terminal would not understand. */
@@ -230,6 +310,8 @@ static bool screen_feed(const struct buf *bytes)
     while (text && *text) {
         if (strncmp(text, "\033_G", 3) == 0)
             text = kitty_feed(&screen.kitty, text, screen.column, screen.row);
+        else if (strncmp(text, "\033Ptmux;", 7) == 0)
+            text = take_passed(text);
         else if (strncmp(text, "\033P", 2) == 0)
             text = take_sixel(text);
         else if (strncmp(text, "\033]", 2) == 0)
@@ -261,6 +343,7 @@ static const uint32_t *seen_pixels(void)
     memcpy(seen, screen.pixel, sizeof seen);
     kitty_compose(&screen.kitty, &(struct kitty_view){screen.cell_width, screen.cell_height,
                                                       SIDE_MOST, SIDE_MOST, seen});
+    draw_placeholders(seen);
     return seen;
 }
 
@@ -377,9 +460,9 @@ static void remove_all(void)
     CHECK_INT(kitty_pictures(&screen.kitty), 0);
 }
 
-enum { WITH_PIXELS = 4 };
-static const struct graphics *const with_pixels[WITH_PIXELS] = {&graphics_kitty, &graphics_sixel,
-                                                                &graphics_iterm, &graphics_tiles};
+enum { WITH_PIXELS = 5 };
+static const struct graphics *const with_pixels[WITH_PIXELS] = {
+    &graphics_kitty, &graphics_sixel, &graphics_iterm, &graphics_tiles, &graphics_placeholders};
 
 /* ---- stories ---- */
 
@@ -418,6 +501,50 @@ STORY(after_thousands_of_edits_the_screen_shows_the_picture)
         CHECK_INT(wrong_pixels(&view), 0);
         CHECK_INT(show(&view), 0);
     }
+}
+
+/* No side of a tile has more than 64 cells, and one may end in the middle of another's row. */
+STORY(placeholders_of_a_large_picture_are_several_tiles)
+{
+    begin_painter(&graphics_placeholders, 4, 4, 0, 0, 100, 90);
+    uint64_t seed = 12;
+    struct image_view view = filled(400, 360, &seed);
+    show_right(&view);
+    CHECK_INT(kitty_pictures(&screen.kitty), 4);
+    for (unsigned i = 0; i < 600; i++) {
+        fill_box(&view, check_below(&seed, 400), check_below(&seed, 360),
+                 1 + check_below(&seed, 300), 1 + check_below(&seed, 20), &seed);
+        show(&view);
+        if (i % 20 == 0)
+            CHECK_INT(wrong_pixels(&view), 0);
+        CHECK(kitty_pictures(&screen.kitty) <= 240);
+    }
+    CHECK_INT(wrong_pixels(&view), 0);
+    painter_forget(&painter); /* the screen was cleared */
+    memset(screen.cell, 0, sizeof screen.cell);
+    show_right(&view);
+    remove_all();
+    show_right(&view);
+    view.width = 200;
+    show_right(&view);
+    remove_all();
+}
+
+/* Cells that name a tile may stay on the screen of another session. */
+STORY(sessions_number_their_pictures_apart)
+{
+    struct terminal_facts facts = facts_of(&graphics_placeholders, 8, 16);
+    uint64_t seed = 13;
+    uint32_t number[2];
+    for (unsigned i = 0; i < 2; i++) {
+        facts.space = (uint8_t)(62 + 193 * i); /* 62, 255 */
+        begin_at(&facts, 0, 0, 10, 5);
+        struct image_view view = filled(80, 80, &seed);
+        show_right(&view);
+        number[i] = screen.kitty.picture[0].number;
+    }
+    CHECK_INT(number[0], 63 << 24 | 16);
+    CHECK_INT(number[1], 4 << 24 | 16);
 }
 
 STORY(pictures_of_every_size_and_kind_follow_each_other)
@@ -461,7 +588,7 @@ STORY(few_colours_come_exactly_and_more_may_join_them)
 
 STORY(a_cursor_move_costs_next_to_nothing)
 {
-    static const size_t most[WITH_PIXELS] = {500, 700, 900, 700};
+    static const size_t most[WITH_PIXELS] = {500, 700, 900, 700, 800};
     for (unsigned g = 0; g < WITH_PIXELS; g++) {
         begin_painter(with_pixels[g], 8, 16, 0, 0, 40, 20);
         uint64_t seed = 3;
@@ -876,8 +1003,8 @@ STORY(a_cell_is_parted_where_the_error_is_least)
 
 STORY(a_picture_of_512x512_and_a_change_in_it_cost_what_was_promised)
 {
-    static const size_t whole_most[WITH_PIXELS] = {90000, 180000, 90000, 90000};
-    static const size_t change_most[WITH_PIXELS] = {1500, 4000, 1700, 1700};
+    static const size_t whole_most[WITH_PIXELS] = {90000, 180000, 90000, 90000, 100000};
+    static const size_t change_most[WITH_PIXELS] = {1500, 4000, 1700, 1700, 2200};
     enum { SIDE = 512 };
     static uint8_t large[4 * SIDE * SIDE];
     struct image_view view = {.width = SIDE, .height = SIDE, .rgba = large, .hue = hues, .hues = 3};

@@ -196,8 +196,9 @@ STORY(what_is_refused_says_what_to_type)
     is_refused("run s --json --journal=a --json", "--json is given twice; expected one");
     is_refused("verify a -j 0", "-j: expected a number 1..64, not 0");
     is_refused("verify a -j 3x", "-j: expected a number 1..64, not 3x");
-    is_refused("run s --graphics loud", "--graphics: expected auto, kitty, tiles, iterm, sixel, "
-                                        "blocks, sextants, quadrants, halves or none, not loud");
+    is_refused("run s --graphics loud",
+               "--graphics: expected auto, kitty, tiles, placeholders, iterm, sixel, blocks, "
+               "sextants, quadrants, halves or none, not loud");
     is_refused("run", "expected `iftty run FILE|-`, and there are 0 operands");
     is_refused("diff a", "expected `iftty diff A B`, and there is 1 operand");
     is_refused("verify --accept why a b",

@@ -55,7 +55,7 @@ static void play(const void *context)
     if (term_open(0, 1, &fault))
         _exit(90);
     term_set_sequences(BEGIN, END);
-    term_set_recovery(RECOVER, part == WAITS_AND_ANSWERS);
+    term_set_recovery(RECOVER, part == WAITS_AND_ANSWERS ? "\033[c" : NULL);
     if (term_set_mode(has_signals ? TERM_QUIET : TERM_RAW, &fault) ||
         term_write("ready", 5, &fault))
         _exit(91);

@@ -103,7 +103,7 @@ static const char *travel(const struct graphics *graphics, const struct image_vi
     static struct kitty_screen screen;
     static struct buf out;
     buf_clear(&out);
-    graphics_encode(graphics, view, &out);
+    graphics_encode(&(struct terminal_facts){.graphics = graphics}, view, &out);
     const char *text = buf_text(&out);
     if (graphics == &graphics_kitty) {
         while (text && *text)
@@ -310,6 +310,8 @@ STORY(a_picture_at_the_prompt_is_framed_and_fits)
 
 STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
 {
+    const struct terminal_facts by[] = {{.graphics = &graphics_kitty},
+                                        {.graphics = &graphics_sixel}};
     static const uint32_t levels[] = {32, 256};
     for (unsigned i = 0; i < 2; i++) {
         struct image_view view = ball(512, levels[i]);
@@ -321,7 +323,7 @@ STORY(a_picture_of_512x512_is_encoded_within_a_few_milliseconds)
                 buf_clear(&out);
                 const clock_t begin = clock();
                 if (k < 2)
-                    graphics_encode(k ? &graphics_sixel : &graphics_kitty, &view, &out);
+                    graphics_encode(&by[k], &view, &out);
                 else
                     buf_add_text(&out, blocks(&view, COLOURS_24BIT, 120, 49));
                 const uint64_t took = (uint64_t)(clock() - begin) * (1000000000 / CLOCKS_PER_SEC);
@@ -507,17 +509,20 @@ STORY(any_bytes_at_all_lead_back_to_the_ground)
 
 /* ---- replies and decisions ---- */
 
-static struct probe_replies heard;
+static struct probe probe;
+#define heard probe.replies
 static struct buf typed;
 
 static void take_all(const char *bytes, size_t piece)
 {
     struct keys keys = {0};
     size_t length = strlen(bytes);
-    heard = (struct probe_replies){0};
+    probe = (struct probe){0};
     buf_clear(&typed);
-    for (size_t i = 0; i < length; i += piece)
-        probe_take(&heard, &keys, bytes + i, length - i < piece ? length - i : piece, &typed);
+    for (size_t i = 0; i < length; i += piece) {
+        probe.due = 1; /* asked again after each DA1 */
+        probe_take(&probe, &keys, bytes + i, length - i < piece ? length - i : piece, &typed);
+    }
 }
 
 STORY(replies_are_understood_however_they_are_split)
@@ -603,7 +608,7 @@ STORY(each_terminal_gets_the_graphics_it_has)
         {"foot", "\033P>|foot(1.13.1)\033\\\033[?62;4;22c", &graphics_sixel, COLOURS_24BIT},
         {"mlterm", "\033[?63;1;2;3;4;7;29c", &graphics_sixel, COLOURS_256},
         {"screen-256color", "\033P>|tmux 3.3a\033\\\033[?1;2c", &graphics_halves, COLOURS_24BIT},
-        {"tmux-256color", "\033P>|tmux 3.4\033\\\033[?1;2;4c", &graphics_sixel, COLOURS_24BIT},
+        {"tmux-256color", "\033P>|tmux 3.4\033\\\033[?1;2;4c", &graphics_halves, COLOURS_24BIT},
         {"screen", "\033[?1;2;4c", &graphics_halves, COLOURS_256},
         {"linux", "", &graphics_halves, COLOURS_16},
         {"dumb", "", &graphics_none, COLOURS_NONE},

@@ -314,7 +314,7 @@ bool keys_time_out(struct keys *k, struct key_event *event)
     return emit_point(k, (uint8_t)k->body[0], KEY_ALT, event);
 }
 
-bool keys_body_is_answer(const struct keys *k)
+bool keys_is_answer(const char *body)
 {
-    return strncmp(k->body, "[?", 2) == 0 && k->body[strlen(k->body) - 1] == 'c';
+    return strncmp(body, "[?", 2) == 0 && body[strlen(body) - 1] == 'c';
 }

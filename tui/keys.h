@@ -112,8 +112,8 @@ bool keys_feed(struct keys *k, uint8_t byte, struct key_event *event);
 /* Return true if the bytes so far are a key of their own unless more follows at once. */
 bool keys_waiting(const struct keys *k);
 
-/* Return true if the last KEY_REPLY answers ESC[c. */
-bool keys_body_is_answer(const struct keys *k);
+/* Return true if the body of a KEY_REPLY answers ESC[c. */
+bool keys_is_answer(const char *body);
 
 /* Call if nothing followed: return true with the event that the bytes make on their own. */
 bool keys_time_out(struct keys *k, struct key_event *event);

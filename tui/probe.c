@@ -6,15 +6,18 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/least.h"
 #include "base/mem.h"
 
-#define BARRIER       "\033[c"
+#define OUTER_NAME    "\033Ptmux;\033\033[>q\033\\" PROBE_OUTER_BARRIER
+#define OUTER_END     "\033Ptmux;\033\033[5n\033\\"
 #define CSI_QUESTIONS "\033[>c\033[>q\033[16t\033[14t"
 #define MODE_QUESTION "\033[?2026$p\033[?1016$p"
 #define SIDE_QUESTION "\033[?2;4;0S"
 #define CLEAR_UP      "\r\033[K"
 
-enum { LIMIT_MS = 2000, OWED_MS = 300 };
+enum { LEAVE_MS = 2000, LEAVE_MOST_MS = 10000, OWED_MS = 300, OUTER_MS = 300 };
+enum { FIRST_OUTER = 2 }; /* round */
 enum { SIDE_UNTOLD = 1000, CELL_LEAST = 4, CELL_MOST = 64 };
 enum { KIND_SCREEN = 'S', KIND_TMUX = 'T', KIND_VTE = 65, KIND_XTERM = 41 }; /* in DA2 */
 enum { VTE_SEXTANTS = 6600 };                                                /* version 0.66 */
@@ -55,9 +58,12 @@ void probe_reply(struct probe_replies *replies, const char *body)
     if (starts_with(body, "[?")) {
         unsigned count = read_numbers(body + 2, n, 32, &end);
         if (equals(end, "c")) {
-            replies->da1 = true;
+            replies->da1 |= !replies->is_outer;
             for (unsigned i = 0; i < count; i++)
-                replies->attributes |= n[i] < 64 ? UINT64_C(1) << n[i] : 0;
+                if (!replies->is_outer)
+                    replies->attributes |= n[i] < 64 ? UINT64_C(1) << n[i] : 0;
+                else if (replies->outer_reports) /* tmux answers frames, without a name */
+                    replies->outer.has_sixel |= n[i] == 4;
         } else if (equals(end, "S") && count == 4 && n[0] == 2 && n[1] == 0) {
             replies->image_width = n[2];
             replies->image_height = n[3];
@@ -72,9 +78,9 @@ void probe_reply(struct probe_replies *replies, const char *body)
             replies->version = count > 1 ? n[1] : 0;
         }
     } else if (starts_with(body, "P>|")) {
-        size_t length = strnlen(body + 3, sizeof replies->name - 1);
-        memcpy(replies->name, body + 3, length);
-        replies->name[length] = '\0';
+        replies->outer_reports |= replies->is_outer;
+        snprintf(replies->is_outer ? replies->outer.name : replies->name, sizeof replies->name,
+                 "%s", body + 3);
     } else if (body[0] == '_') {
         const size_t used = strlen(replies->answers), room = sizeof replies->answers - used;
         snprintf(replies->answers + used, room, "%s\n", body);
@@ -82,6 +88,8 @@ void probe_reply(struct probe_replies *replies, const char *body)
         unsigned count = read_numbers(body + 1, n, 32, &end);
         if (equals(end, "R") && count == 2)
             replies->column = n[1];
+        if (equals(end, "n") && replies->is_outer)
+            replies->outer_answers = true;
         if (!equals(end, "t") || count != 3)
             return;
         if (n[0] == 6) {
@@ -94,11 +102,26 @@ void probe_reply(struct probe_replies *replies, const char *body)
     }
 }
 
-bool probe_take(struct probe_replies *replies, struct keys *keys, const char *bytes, size_t length,
+enum probe_heard probe_hear(struct probe *probe, const char *body)
+{
+    struct probe_replies *r = &probe->replies;
+    const bool is_end = r->is_outer ? equals(body, "[0n") : keys_is_answer(body);
+    if (probe->due == 0)
+        return PROBE_IGNORES;
+    if (probe->due == 1)
+        probe_reply(r, body);
+    if (is_end)
+        probe->due--;
+    return is_end && probe->due == 0         ? PROBE_HAS_ALL
+           : is_end || !keys_is_answer(body) ? PROBE_HEARS
+                                             : PROBE_IGNORES;
+}
+
+bool probe_take(struct probe *probe, struct keys *keys, const char *bytes, size_t length,
                 struct buf *typed)
 {
     struct key_event event;
-    bool before = replies->da1, seen = false;
+    bool has_all = false;
     for (size_t i = 0; i < length; i++) {
         buf_add_char(typed, bytes[i]);
         if (!keys_feed(keys, (uint8_t)bytes[i], &event) || event.key != KEY_REPLY)
@@ -108,12 +131,9 @@ bool probe_take(struct probe_replies *replies, struct keys *keys, const char *by
             typed->length -= keys->taken;
             typed->data[typed->length] = '\0';
         }
-        replies->da1 = false;
-        probe_reply(replies, keys->body);
-        seen |= replies->da1;
+        has_all |= probe_hear(probe, keys->body) == PROBE_HAS_ALL;
     }
-    replies->da1 = before || seen;
-    return seen;
+    return has_all;
 }
 
 /* ---- deciding ---- */
@@ -152,7 +172,7 @@ static bool is_console(const struct probe_environment *e)
     return any(starts_with, e->term, console);
 }
 
-static bool in_tmux(const struct probe_replies *replies)
+bool probe_is_tmux(const struct probe_replies *replies)
 {
     return starts_with(replies->name, "tmux") || replies->kind == KIND_TMUX ||
            (starts_with(replies->environment.term, "tmux") && replies->kind != KIND_SCREEN);
@@ -162,12 +182,12 @@ static bool in_tmux(const struct probe_replies *replies)
 bool probe_is_screen(const struct probe_replies *replies)
 {
     return replies->kind == KIND_SCREEN ||
-           (starts_with(replies->environment.term, "screen") && !in_tmux(replies));
+           (starts_with(replies->environment.term, "screen") && !probe_is_tmux(replies));
 }
 
 bool probe_is_multiplexed(const struct probe_replies *replies)
 {
-    return in_tmux(replies) || probe_is_screen(replies);
+    return probe_is_tmux(replies) || probe_is_screen(replies);
 }
 
 bool probe_is_silent(const struct probe_environment *e, struct probe_wish wish)
@@ -175,38 +195,72 @@ bool probe_is_silent(const struct probe_environment *e, struct probe_wish wish)
     return probe_is_plain(e->term) || is_console(e) || wish.depth == PROBE_NOTHING;
 }
 
+bool probe_has_word(const char *name, const char *const *names)
+{
+    return any(contains, name, names);
+}
+
 bool probe_is_named(const struct probe_replies *replies, const char *const *names)
 {
     return any(contains, replies->name[0] ? replies->name : replies->environment.term, names);
 }
 
-void probe_questions(unsigned round, const struct probe_replies *replies, struct probe_wish wish,
-                     struct buf *out)
+/* Add questions for some terminals; return true if there are any. */
+static bool add_questions(const struct probe *probe, struct buf *out)
+{
+    const size_t before = out->length;
+    for (size_t i = 0; i < probe->wish.questions; i++) {
+        const struct probe_question *q = &probe->wish.question[i];
+        if (q->is_outer == probe->replies.is_outer && q->may_ask(&probe->replies))
+            buf_add_text(out, q->text);
+    }
+    return out->length > before;
+}
+
+static void add_round(const struct probe *probe, struct buf *out)
 {
     static const char *const careful[] = {"alacritty", "foot",    "contour", "kitty",
                                           "ghostty",   "wezterm", NULL};
+    const struct probe_replies *r = &probe->replies;
     const size_t before = out->length;
-    const bool first = round == 0, all = wish.depth == PROBE_ALL;
-    bool clears_up = false;
-    if (probe_is_silent(&replies->environment, wish) || round > 1 ||
-        (!first && (!all || !replies->da1)))
+    const bool all = probe->wish.depth == PROBE_ALL;
+    switch (probe->rounds) {
+    case 0:
+        buf_printf(out, "%s%s", all ? CSI_QUESTIONS : "", PROBE_BARRIER);
         return;
-    if (first && all)
-        buf_add_text(out, CSI_QUESTIONS);
-    if (!first && (replies->name[0] || (any(contains, replies->environment.term, careful) &&
-                                        !probe_is_multiplexed(replies))))
-        buf_add_text(out, MODE_QUESTION);
-    if (!first && replies->attributes >> 4 & 1)
-        buf_add_text(out, SIDE_QUESTION);
-    for (size_t i = 0; !first && i < wish.questions; i++)
-        if (wish.question[i].may_ask(replies)) {
-            buf_add_text(out, wish.question[i].text);
-            clears_up = true;
-        }
-    if (first || out->length > before)
-        buf_add_text(out, BARRIER);
-    if (clears_up)
-        buf_add_text(out, CLEAR_UP);
+    case 1:
+        if (r->name[0] || (any(contains, r->environment.term, careful) && !probe_is_multiplexed(r)))
+            buf_add_text(out, MODE_QUESTION);
+        if (r->attributes >> 4 & 1)
+            buf_add_text(out, SIDE_QUESTION);
+        const bool clears_up = add_questions(probe, out);
+        if (out->length > before)
+            buf_printf(out, "%s%s", PROBE_BARRIER, clears_up ? CLEAR_UP : "");
+        return;
+    case FIRST_OUTER:
+        if (probe->wish.needs_outer && probe_is_tmux(r) && r->outer.passing != TMUX_PASSES_NOTHING)
+            buf_add_text(out, OUTER_NAME OUTER_END);
+        return;
+    default:
+        if (r->outer_answers && add_questions(probe, out))
+            buf_add_text(out, OUTER_END);
+    }
+}
+
+bool probe_ask(struct probe *probe, struct buf *out)
+{
+    const size_t before = out->length;
+    const bool all = probe->wish.depth == PROBE_ALL;
+    if (probe_is_silent(&probe->replies.environment, probe->wish) ||
+        (probe->due > 0 && probe->rounds > 0))
+        return false;
+    while (out->length == before && probe->rounds < (all ? FIRST_OUTER + 2 : 1)) {
+        probe->replies.is_outer = probe->rounds >= FIRST_OUTER;
+        add_round(probe, out);
+        probe->rounds++;
+    }
+    probe->due += out->length > before;
+    return out->length > before;
 }
 
 /* iTerm2 has reported its name only since 3.4; it sends LC_TERMINAL through ssh. A terminal with
@@ -251,12 +305,12 @@ static enum colours decide_colours(const struct probe_replies *replies)
 static const char *drawing_name(const struct probe_replies *replies)
 {
     return probe_is_screen(replies) ? ""
-           : in_tmux(replies)       ? replies->outer.name
+           : probe_is_tmux(replies) ? replies->outer.name
            : replies->name[0]       ? replies->name
                                     : replies->environment.term;
 }
 
-bool probe_draws_sextants(const struct probe_replies *replies)
+static bool draws_sextants(const struct probe_replies *replies)
 {
     static const char *const sextant[] = {"kitty", "foot", "wezterm", "ghostty", "contour", NULL};
     const char *name = drawing_name(replies);
@@ -268,11 +322,16 @@ bool probe_draws_sextants(const struct probe_replies *replies)
     return vte >= VTE_SEXTANTS || any(contains, name, sextant);
 }
 
+bool probe_asks_for_sextants(const struct probe_replies *replies)
+{
+    return draws_sextants(replies) || (probe_is_tmux(replies) && !replies->outer.name[0]);
+}
+
 /* Half blocks are in every font. */
 enum block_shape probe_shape(const struct probe_replies *replies)
 {
     static const char *const quadrant[] = {"alacritty", "konsole", "iterm2", "vte", "xterm(", NULL};
-    if (probe_draws_sextants(replies))
+    if (draws_sextants(replies))
         return replies->column == 2 ? BLOCK_SEXTANT : BLOCK_QUADRANT;
     return any(contains, drawing_name(replies), quadrant) || replies->kind == KIND_VTE
                ? BLOCK_QUADRANT
@@ -302,6 +361,7 @@ void probe_decide(const struct probe_replies *replies, const struct term_size *s
                                      .image_side_most = SIDE_UNTOLD,
                                      .shape = probe_shape(replies),
                                      .answers = replies->da1,
+                                     .barrier = PROBE_BARRIER,
                                      .synchronizes = replies->synchronizes,
                                      .mouse = replies->da1};
     bool has_cell =
@@ -336,16 +396,14 @@ struct probe_environment probe_environment_now(void)
                                       .no_color = *variable("NO_COLOR")};
 }
 
-/* Read until `count` DA1 replies arrived. Ctrl-C stops waiting for a silent terminal. */
-static unsigned await_replies(struct probe_replies *replies, unsigned count, int limit_ms,
-                              struct buf *typed)
+/* Read until all answers that are due have arrived. Ctrl-C stops waiting for a silent terminal. */
+static void await_replies(struct probe *probe, int limit_ms, struct buf *typed)
 {
     struct keys keys = {0};
     OWNED(buf_release) struct buf bytes = {0};
-    uint64_t end = clock_ns() + (uint64_t)limit_ms * 1000000;
-    unsigned seen = 0;
-    while (seen < count && !memchr(buf_text(typed), 3, typed->length)) {
-        uint64_t now = clock_ns();
+    const uint64_t end = clock_ns() + (uint64_t)limit_ms * 1000000;
+    while (probe->due > 0 && !memchr(buf_text(typed), 3, typed->length)) {
+        const uint64_t now = clock_ns();
         if (now >= end)
             break;
         enum term_input input = term_read(&bytes, (int)((end - now) / 1000000) + 1, -1);
@@ -353,17 +411,16 @@ static unsigned await_replies(struct probe_replies *replies, unsigned count, int
             break;
         if (input == TERM_SIGNAL) /* nothing is drawn yet that would have to be redrawn */
             term_was_continued();
-        for (size_t i = 0; i < bytes.length; i++)
-            seen += probe_take(replies, &keys, bytes.data + i, 1, typed);
+        probe_take(probe, &keys, buf_text(&bytes), bytes.length, typed);
         buf_clear(&bytes);
     }
-    return seen;
 }
 
 unsigned probe_await(unsigned count, int limit_ms, struct buf *typed)
 {
-    struct probe_replies ignored = {0};
-    return await_replies(&ignored, count, limit_ms, typed);
+    struct probe ignored = {.due = count};
+    await_replies(&ignored, limit_ms, typed);
+    return count - ignored.due;
 }
 
 void probe_leave(const struct terminal_facts *facts, unsigned due)
@@ -371,39 +428,37 @@ void probe_leave(const struct terminal_facts *facts, unsigned due)
     OWNED(buf_release) struct buf typed = {0};
     if (term_write_end(NULL) == OK) {
         const bool expects = due > 0 || facts->reports;
-        if (expects && facts->answers && term_write(BARRIER, sizeof BARRIER - 1, NULL) == OK)
-            probe_await(due + 1, LIMIT_MS, &typed);
+        const uint64_t slow_ms = 2 * facts->round_trip_ns / 1000000;
+        if (expects && facts->answers &&
+            term_write(facts->barrier, strlen(facts->barrier), NULL) == OK)
+            probe_await(due + 1,
+                        (int)least_64(slow_ms > LEAVE_MS ? slow_ms : LEAVE_MS, LEAVE_MOST_MS),
+                        &typed);
         else if (facts->answer_due)
             probe_await(1, OWED_MS, &typed);
     }
 }
 
-enum err probe_terminal(struct probe_wish wish, struct probe_replies *replies,
-                        struct terminal_facts *facts, struct buf *typed, struct fault *fault)
+bool probe_write(struct probe *probe)
 {
     OWNED(buf_release) struct buf questions = {0};
-    uint64_t round_trip_ns = 0;
-    bool answer_due = false;
-    enum err err = OK;
-    for (unsigned round = 0; !err && round < 2; round++) {
-        buf_clear(&questions);
-        probe_questions(round, replies, wish, &questions);
-        if (questions.failed)
-            err = fault_memory(fault, "the questions to the terminal");
-        else if (questions.length > 0)
-            err = term_write(questions.data, questions.length, fault);
-        if (err || questions.length == 0)
-            break;
-        const uint64_t begin = clock_ns();
-        answer_due = await_replies(replies, 1, LIMIT_MS, typed) == 0;
-        if (!answer_due)
-            round_trip_ns = clock_ns() - begin;
-        if (round == 0 && wish.depth == PROBE_ALL && in_tmux(replies))
-            tmux_ask(&replies->outer);
+    if (!probe_ask(probe, &questions))
+        return false;
+    probe->asked_ns = clock_ns();
+    return !questions.failed && term_write(buf_text(&questions), questions.length, NULL) == OK;
+}
+
+void probe_terminal(struct probe *probe, int limit_ms, uint64_t *round_trip_ns, struct buf *typed)
+{
+    const struct probe_replies *r = &probe->replies;
+    *round_trip_ns = 0;
+    while (probe_write(probe)) {
+        /* If tmux passes nothing there is no answer, and usually tmux does not tell. */
+        const bool is_sure = !r->is_outer || r->outer.passing == TMUX_PASSES;
+        await_replies(probe, is_sure ? limit_ms : OUTER_MS, typed);
+        if (probe->due == 0)
+            *round_trip_ns = clock_ns() - probe->asked_ns;
+        if (probe->rounds == 1 && probe->due == 0 && probe->wish.needs_outer && probe_is_tmux(r))
+            tmux_ask(&probe->replies.outer);
     }
-    const struct term_size size = term_size();
-    probe_decide(replies, &size, facts);
-    facts->round_trip_ns = round_trip_ns;
-    facts->answer_due = answer_due;
-    return err;
 }

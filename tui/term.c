@@ -136,11 +136,10 @@ static struct {
     int in, out;
     volatile sig_atomic_t open;
     volatile sig_atomic_t mode; /* enum term_mode */
-    volatile sig_atomic_t answers;
     bool end_written;
     pid_t owner; /* the process that opened the terminal: its children leave it alone */
     struct termios found;
-    struct text begin, end, recover;
+    struct text begin, end, recover, question;
     volatile sig_atomic_t resized, continued;
     struct guardian guardian;
 } term;
@@ -190,7 +189,7 @@ static size_t put_text(char *place, const struct text *text)
     return (size_t)text->length;
 }
 
-enum { ENDING = 3 * TERM_WORDS + 32 };
+enum { ENDING = 4 * TERM_WORDS + 32 };
 _Static_assert((int)ENDING <= (int)GUARDIAN_WORDS, "the guardian may have to write all of it");
 
 /* `for_good` also shows the cursor and begins a new line, for the program that follows; `ask` adds
@@ -199,10 +198,8 @@ static size_t put_ending(char words[ENDING], bool for_good, bool ask)
 {
     static const struct text usual = {.bytes = "\033\\", .length = 2};
     size_t length = put_text(words, term.recover.length > 0 ? &term.recover : &usual);
-    if (ask) {
-        memcpy(words + length, "\033[c", 3);
-        length += 3;
-    }
+    if (ask)
+        length += put_text(words + length, &term.question);
     length += put_text(words + length, &term.end);
     if (for_good) {
         memcpy(words + length, "\033[m\033[?25h\r\n", 11);
@@ -254,7 +251,7 @@ static void restore_modes(bool for_good, bool ask)
     char words[ENDING];
     if (!is_ours())
         return;
-    ask &= term.answers;
+    ask &= term.question.length > 0;
     ssize_t ignored = write(term.out, words, put_ending(words, for_good, ask));
     (void)ignored; /* nothing can be done about it */
     if (ask)
@@ -270,10 +267,10 @@ void term_set_sequences(const char *begin, const char *end)
     update_guardian();
 }
 
-void term_set_recovery(const char *recover, bool answers)
+void term_set_recovery(const char *recover, const char *question)
 {
     set_text(&term.recover, recover);
-    term.answers = answers;
+    set_text(&term.question, question ? question : "");
     update_guardian();
 }
 
@@ -413,7 +410,7 @@ enum err term_open(int in, int out, struct fault *fault)
     term.in = in;
     term.out = out;
     term.mode = TERM_AS_FOUND;
-    term.resized = term.continued = term.answers = 0;
+    term.resized = term.continued = 0;
     term.end_written = false;
     term.owner = getpid();
     guardian_start(&term.guardian, in, out);
@@ -422,6 +419,7 @@ enum err term_open(int in, int out, struct fault *fault)
     set_text(&term.begin, "");
     set_text(&term.end, "");
     set_text(&term.recover, "");
+    set_text(&term.question, "");
     /* Handlers need a stack of their own in case the main stack has overflowed. */
     static char stack[65536];
     stack_t now, own = {.ss_sp = stack, .ss_size = sizeof stack};

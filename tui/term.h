@@ -48,11 +48,11 @@ void term_close(void);
 
 /* Sequences written when our modes begin and end (bracketed paste on and off, for example). Less
  * than TERM_WORDS bytes each, or they are ignored; call before the first term_set_mode. `recover`
- * is the sequence of T5, ESC \ by default; `answers` is set if the terminal answers ESC[c, for T8.
- */
+ * is the sequence of T5, ESC \ by default; `question` is one that the terminal answers, as it does
+ * ESC[c, or NULL, for T8. */
 enum { TERM_WORDS = 128 };
 void term_set_sequences(const char *begin, const char *end);
-void term_set_recovery(const char *recover, bool answers);
+void term_set_recovery(const char *recover, const char *question);
 
 /* Change these sequences while our modes are on, for a full screen for example: the former end is
  * written, then the new beginning. */
@@ -117,7 +117,7 @@ void term_suspend(void);
  * and signal handlers may change it.
  */
 
-enum { GUARDIAN_WORDS = 512 };
+enum { GUARDIAN_WORDS = 640 };
 
 struct guarded {
     volatile sig_atomic_t on;    /* `ours` are set now */

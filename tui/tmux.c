@@ -1,22 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 #include "tui/tmux.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <poll.h>
-#include <signal.h>
-#include <spawn.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "base/choice.h"
-#include "base/clock.h"
 
-#define FORMAT "#{client_termtype}|#{client_termfeatures}|#{allow-passthrough}"
+#define QUESTION                                                                                   \
+    "exec timeout 1 tmux display-message -p "                                                      \
+    "'#{client_termtype}|#{client_termfeatures}|#{allow-passthrough}' 2>/dev/null </dev/null"
 
-enum { ANSWER_MOST = 1024, LIMIT_MS = 500 };
+void tmux_wrap(struct buf *out, const struct buf *commands)
+{
+    const char *at = buf_text(commands);
+    out->failed |= commands->failed;
+    for (const char *end; (end = strstr(at, "\033\\")); at = end + 2) {
+        buf_add_text(out, "\033Ptmux;\033");
+        buf_add(out, at, (size_t)(end - at));
+        buf_add_text(out, "\033\033\\\033\\");
+    }
+}
 
 void tmux_read(struct tmux_client *client, const char *answer)
 {
@@ -43,52 +47,15 @@ void tmux_read(struct tmux_client *client, const char *answer)
     client->passing = found < 0 ? TMUX_PASSING_UNKNOWN : passing[found];
 }
 
-/* Read until the end of the file; return the number of bytes. */
-static size_t read_answer(int from, char answer[ANSWER_MOST])
-{
-    const uint64_t end_ns = clock_ns() + LIMIT_MS * UINT64_C(1000000);
-    size_t length = 0;
-    for (;;) {
-        struct pollfd ready = {.fd = from, .events = POLLIN};
-        const uint64_t now_ns = clock_ns();
-        if (now_ns >= end_ns || length + 1 == ANSWER_MOST)
-            return length;
-        if (poll(&ready, 1, (int)((end_ns - now_ns) / 1000000) + 1) <= 0)
-            continue; /* an interruption, or the end of the time */
-        const ssize_t n = read(from, answer + length, ANSWER_MOST - 1 - length);
-        if (n == 0 || (n < 0 && errno != EINTR))
-            return length;
-        length += n > 0 ? (size_t)n : 0;
-    }
-}
-
 bool tmux_ask(struct tmux_client *client)
 {
-    char *const word[] = {(char[]){"tmux"}, (char[]){"display-message"}, (char[]){"-p"},
-                          (char[]){FORMAT}, NULL};
-    char answer[ANSWER_MOST];
-    posix_spawn_file_actions_t files;
-    pid_t process;
-    int end[2];
-    size_t length = 0;
+    char answer[1024] = "";
     *client = (struct tmux_client){0};
-    if (!getenv("TMUX") || pipe2(end, O_CLOEXEC) != 0)
+    FILE *from = getenv("TMUX") ? popen(QUESTION, "re") : NULL;
+    if (!from)
         return false;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_adddup2(&files, end[1], STDOUT_FILENO);
-    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    const int number = posix_spawnp(&process, word[0], &files, NULL, word, environ);
-    posix_spawn_file_actions_destroy(&files);
-    close(end[1]);
-    if (number == 0) {
-        length = read_answer(end[0], answer);
-        kill(process, SIGKILL); /* it has ended, or does not answer */
-        while (waitpid(process, NULL, 0) < 0 && errno == EINTR)
-            ;
-    }
-    close(end[0]);
-    answer[length] = '\0';
+    const size_t length = fread(answer, 1, sizeof answer - 1, from);
+    pclose(from);
     tmux_read(client, answer);
     return length > 0;
 }

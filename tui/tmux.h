@@ -12,6 +12,8 @@
 
 #include <stdbool.h>
 
+#include "base/buf.h"
+
 /* Option allow-passthrough: tmux passes sequences to the terminal outside. */
 enum tmux_passing { TMUX_PASSING_UNKNOWN, TMUX_PASSES_NOTHING, TMUX_PASSES };
 
@@ -21,10 +23,14 @@ struct tmux_client {
     enum tmux_passing passing;
 };
 
+/* Add commands that begin with ESC and end with ESC \, and have no other ESC, for the terminal
+ * outside: each as ESC P tmux; and the command with each ESC doubled, and ESC \. */
+void tmux_wrap(struct buf *out, const struct buf *commands);
+
 /* Read an answer; members that it does not mention are unknown. */
 void tmux_read(struct tmux_client *client, const char *answer);
 
-/* Ask, for at most half a second. Return false, with *client zeroed, if there is no answer. */
+/* Ask, for at most a second. Return false, with *client zeroed, if there is no answer. */
 bool tmux_ask(struct tmux_client *client);
 
 #endif

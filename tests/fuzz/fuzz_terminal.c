@@ -55,15 +55,22 @@ static void decode(const uint8_t *bytes, size_t length, struct buf *out)
     HOLDS(keys_feed(&k, 'x', &event) && event.key == KEY_CHARACTER && event.point == 'x');
 }
 
-static void take(struct probe_replies *replies, struct buf *typed, const uint8_t *bytes,
-                 size_t length, size_t read)
+/* Answers to the questions of any round, of which each ends with the right one. */
+static void take(struct probe *probe, struct buf *typed, const uint8_t *bytes, size_t length,
+                 size_t read)
 {
     struct keys keys = {0};
-    for (size_t at = 0; at < length; at += read)
-        probe_take(replies, &keys, (const char *)bytes + at,
-                   length - at < read ? length - at : read, typed);
+    OWNED(buf_release) struct buf asked = {0};
+    for (size_t at = 0; at < length; at += read) {
+        const size_t n = length - at < read ? length - at : read;
+        for (size_t i = 0; i < n; i++)
+            if (probe_take(probe, &keys, (const char *)bytes + at + i, 1, typed))
+                probe_ask(probe, &asked);
+    }
     HOLDS(typed->length <= length);
-    HOLDS(memchr(replies->name, '\0', sizeof replies->name));
+    HOLDS(memchr(probe->replies.name, '\0', sizeof probe->replies.name));
+    HOLDS(memchr(probe->replies.outer.name, '\0', sizeof probe->replies.outer.name));
+    HOLDS(probe->rounds <= 4);
 }
 
 static void check_facts(const struct probe_replies *replies)
@@ -74,29 +81,40 @@ static void check_facts(const struct probe_replies *replies)
         struct probe_replies in = *replies;
         in.environment = (struct probe_environment){.term = terms[i]};
         struct terminal_facts facts;
-        OWNED(buf_release) struct buf asked = {0};
         graphics_decide(&in, &size, graphics_auto, &facts);
-        probe_questions(1, &in, graphics_asks(graphics_auto, &in.environment), &asked);
         HOLDS(facts.graphics && facts.cell_width >= 4 && facts.cell_width <= 64);
         HOLDS(facts.cell_height >= 4 && facts.cell_height <= 64 && facts.image_side_most > 0);
         HOLDS(facts.graphics != &graphics_sixel || replies->attributes >> 4 & 1);
-        HOLDS((facts.graphics != &graphics_kitty && facts.graphics != &graphics_tiles) ||
+        HOLDS((facts.graphics != &graphics_kitty && facts.graphics != &graphics_tiles &&
+               facts.graphics != &graphics_placeholders) ||
               strstr(replies->answers, "_G"));
+        HOLDS(!probe_is_tmux(&in) || facts.graphics->kind == GRAPHICS_TEXT || in.outer_reports);
     }
+}
+
+static struct probe fresh_probe(uint8_t kind)
+{
+    static const char *const terms[] = {"xterm", "xterm-kitty", "tmux-256color"};
+    const struct probe_environment environment = {.term = terms[kind % 3]};
+    struct probe probe = {.wish = graphics_asks(graphics_auto, &environment),
+                          .replies.environment = environment};
+    OWNED(buf_release) struct buf asked = {0};
+    HOLDS(probe_ask(&probe, &asked));
+    return probe;
 }
 
 void fuzz_keys(const uint8_t *bytes, size_t length)
 {
-    struct probe_replies replies = {0}, same = {0};
     OWNED(buf_release) struct buf typed = {0}, once = {0}, events = {0};
     if (length == 0)
         return;
     const size_t read = 1 + bytes[0] % READS;
     decode(bytes + 1, length - 1, &events);
     decode(bytes + 1, length - 1, NULL);
-    take(&replies, &typed, bytes + 1, length - 1, read);
+    struct probe probe = fresh_probe(bytes[0]), same = fresh_probe(bytes[0]);
+    take(&probe, &typed, bytes + 1, length - 1, read);
     take(&same, &once, bytes + 1, length - 1, length);
-    HOLDS(memcmp(&replies, &same, sizeof same) == 0);
+    HOLDS(memcmp(&probe.replies, &same.replies, sizeof same.replies) == 0);
     HOLDS(typed.length == once.length && !memcmp(buf_text(&typed), buf_text(&once), typed.length));
     /* No answer is left in the typed text. */
     struct keys k = {0};
@@ -104,7 +122,7 @@ void fuzz_keys(const uint8_t *bytes, size_t length)
     for (size_t i = 0; i < typed.length; i++)
         if (keys_feed(&k, (uint8_t)typed.data[i], &event))
             HOLDS(event.key != KEY_REPLY);
-    check_facts(&replies);
+    check_facts(&probe.replies);
 }
 
 /* Keys at the prompt, any bytes at all: the line keeps its promises (line.h), all that was done is

@@ -107,10 +107,10 @@ static void write_picture(const struct known *p, const char *path)
 }
 
 /* Send `bytes` and wait until the terminal has received them. */
-static bool send(struct buf *bytes, struct fault *fault)
+static bool send(struct buf *bytes, const char *barrier, struct fault *fault)
 {
     OWNED(buf_release) struct buf typed = {0};
-    buf_add_text(bytes, "\033[c");
+    buf_add_text(bytes, barrier);
     const bool sent = !bytes->failed && !term_write(bytes->data, bytes->length, fault) &&
                       probe_await(1, ANSWER_MS, &typed) == 1;
     buf_clear(bytes);
@@ -165,13 +165,13 @@ static bool paint(struct painter *painter, struct known *p, unsigned edits, stru
     buf_add_text(&bytes, "\033[?25l\033[2J");
     show(painter, p, &bytes);
     sent->first = bytes.length;
-    bool good = send(&bytes, fault);
+    bool good = send(&bytes, painter->facts.barrier, fault);
     for (unsigned i = 0; i < edits && good; i++) {
         change(p, 60);
         lay_below(p, i / 5 % 3);
         show(painter, p, &bytes);
         sent->edits += bytes.length;
-        good = send(&bytes, fault);
+        good = send(&bytes, painter->facts.barrier, fault);
     }
     sent->ms = (double)(clock_ns() - begin) / 1e6;
     return good;
@@ -205,12 +205,13 @@ static bool run(const char *folder, char **word, struct fault *fault)
     struct sent sent = {0};
     OWNED(buf_release) struct buf typed = {0};
     char path[512];
-    struct graphics_wish wish = graphics_auto;
+    struct graphics_probe probe = {0};
     const bool has_slices = word[6] && strcmp(word[6], "slices") == 0;
-    if (word[6] && !has_slices && !graphics_from_name(word[6], &wish))
+    if (word[6] && !has_slices && !graphics_from_name(word[6], &probe.wish))
         return false;
-    if (term_set_mode(TERM_RAW, fault) || graphics_probe(wish, &facts, &typed, fault))
+    if (term_set_mode(TERM_RAW, fault))
         return false;
+    graphics_probe(&probe, 0, &facts, &typed);
     const struct place place = read_place(word + 2);
     painter_place(&painter, &facts, place.column, place.row, place.columns, place.rows);
     painter_size(&painter, &p.width, &p.height);

@@ -389,7 +389,7 @@ const struct graphics graphics_sextants = {
     .name = "sextants",
     .title = "sextants",
     .fits = has_sextants,
-    .question = {"\r\xF0\x9F\xAC\x80\033[6n", probe_draws_sextants},
+    .question = {"\r\xF0\x9F\xAC\x80\033[6n", probe_asks_for_sextants},
     .shape = BLOCK_SEXTANT,
     TEXT,
 };

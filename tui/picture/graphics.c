@@ -4,16 +4,22 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "base/clock.h"
 #include "base/least.h"
 #include "base/mem.h"
+#include "tui/term.h"
+
+enum { LIMIT_MS = 2000, AGAIN_MS = 300 };
 
 const struct graphics graphics_none = {
     .name = "none", .title = "nothing", .kind = GRAPHICS_NOTHING};
 
 static const struct graphics *const table[] = {
-    &graphics_kitty,    &graphics_tiles,     &graphics_iterm,  &graphics_sixel,
-    &graphics_sextants, &graphics_quadrants, &graphics_halves, &graphics_none};
+    &graphics_kitty,     &graphics_tiles,  &graphics_placeholders,
+    &graphics_iterm,     &graphics_sixel,  &graphics_sextants,
+    &graphics_quadrants, &graphics_halves, &graphics_none};
 enum { PROTOCOLS = sizeof table / sizeof table[0], TEXTS = 3, FIRST_TEXT = PROTOCOLS - TEXTS - 1 };
 
 static const char any[] = "auto", any_text[] = "blocks";
@@ -62,9 +68,12 @@ struct probe_wish graphics_asks(struct graphics_wish wish, const struct probe_en
     struct probe_wish asks = {.depth = kind == GRAPHICS_NOTHING ? PROBE_NOTHING
                                        : text                   ? PROBE_BARRIERS
                                                                 : PROBE_ALL};
-    for (size_t i = 0; wish.count > 1 && i < wish.count; i++)
-        if (wish.of[i]->question.text)
-            asks.question[asks.questions++] = wish.of[i]->question;
+    for (size_t i = 0; i < wish.count; i++) {
+        const struct probe_question question = wish.of[i]->question;
+        asks.needs_outer |= !text && (wish.count > 1 || question.is_outer);
+        if (question.text && wish.count > 1)
+            asks.question[asks.questions++] = question;
+    }
     return asks;
 }
 
@@ -89,18 +98,15 @@ static const struct graphics *choose(const struct probe_replies *replies, struct
     return all_of(wish.of[wish.count - 1], replies);
 }
 
-static void take_graphics(const struct graphics *graphics, struct terminal_facts *facts)
-{
-    facts->graphics = graphics;
-    if (graphics->kind == GRAPHICS_TEXT)
-        facts->shape = graphics->shape;
-}
-
 void graphics_decide(const struct probe_replies *replies, const struct term_size *size,
                      struct graphics_wish wish, struct terminal_facts *facts)
 {
     probe_decide(replies, size, facts);
-    take_graphics(choose(replies, wish), facts);
+    facts->graphics = choose(replies, wish);
+    if (facts->graphics->kind == GRAPHICS_TEXT)
+        facts->shape = facts->graphics->shape;
+    if (facts->graphics->kind == GRAPHICS_PIXELS && replies->outer_answers)
+        facts->barrier = PROBE_OUTER_BARRIER;
 }
 
 const char *graphics_recovery(const struct terminal_facts *facts)
@@ -108,26 +114,62 @@ const char *graphics_recovery(const struct terminal_facts *facts)
     return facts->graphics->recovery ? facts->graphics->recovery : "\033\\";
 }
 
-enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
-                        struct fault *fault)
+static void decide(const struct graphics_probe *g, struct terminal_facts *facts)
 {
-    struct probe_replies replies = {.environment = probe_environment_now()};
+    const struct term_size size = term_size();
+    const struct terminal_facts former = *facts;
     char words[TERM_WORDS];
-    const enum err err =
-        probe_terminal(graphics_asks(wish, &replies.environment), &replies, facts, typed, fault);
-    take_graphics(choose(&replies, wish), facts);
+    graphics_decide(&g->probe.replies, &size, g->wish, facts);
+    facts->round_trip_ns = former.round_trip_ns;
+    facts->reports = former.reports;
+    facts->space = former.space;
+    facts->answer_due = g->probe.due > 0 && !g->probe.replies.is_outer;
     snprintf(words, sizeof words, "%s%s", graphics_recovery(facts),
              facts->synchronizes ? "\033[?2026l" : "");
-    term_set_recovery(words, facts->answers);
-    return err;
+    term_set_recovery(words, facts->answers ? facts->barrier : NULL);
+}
+
+void graphics_probe(struct graphics_probe *g, unsigned due, struct terminal_facts *facts,
+                    struct buf *typed)
+{
+    const struct probe_environment environment = probe_environment_now();
+    const bool is_first = g->probe.rounds == 0;
+    if (g->wish.count == 0)
+        g->wish = graphics_auto;
+    if (is_first)
+        *facts = (struct terminal_facts){.space = (uint8_t)getpid()};
+    g->probe = (struct probe){.wish = graphics_asks(g->wish, &environment),
+                              .replies.environment = environment,
+                              .due = due + (facts->answer_due ? 1 : 0)};
+    probe_terminal(&g->probe, is_first || facts->answers ? LIMIT_MS : AGAIN_MS,
+                   &facts->round_trip_ns, typed);
+    decide(g, facts);
+}
+
+unsigned graphics_due(const struct graphics_probe *g)
+{
+    return g->probe.replies.is_outer ? 0 : g->probe.due;
+}
+
+enum probe_heard graphics_hear(struct graphics_probe *g, const char *body,
+                               struct terminal_facts *facts)
+{
+    const enum probe_heard heard = probe_hear(&g->probe, body);
+    if (heard == PROBE_HAS_ALL) {
+        facts->round_trip_ns = clock_ns() - g->probe.asked_ns;
+        probe_write(&g->probe);
+        decide(g, facts);
+    }
+    return heard;
 }
 
 /* ---- a picture at the prompt ---- */
 
-void graphics_encode(const struct graphics *graphics, const struct image_view *view,
+void graphics_encode(const struct terminal_facts *facts, const struct image_view *view,
                      struct buf *out)
 {
-    OWNED(painter_release) struct painter p = {.facts.graphics = graphics};
+    const struct graphics *graphics = facts->graphics;
+    OWNED(painter_release) struct painter p = {.facts = *facts};
     const bool needs_palette = shades_needed(view, graphics->palette_always);
     bool fine = !needs_palette || shades_choose(&p.shades, view);
     p.has_palette = needs_palette || shades_take_exact(&p.shades, view);
@@ -154,7 +196,7 @@ static void add_framed(const struct terminal_facts *facts, const struct image_vi
     for (uint32_t i = 0; i < rows; i++)
         buf_add_char(out, '\n');
     buf_printf(out, "\033[%uA\0337", rows);
-    graphics_encode(facts->graphics, view, out);
+    graphics_encode(facts, view, out);
     buf_printf(out, "\0338\033[%uB\r", rows);
 }
 

@@ -19,8 +19,8 @@
 #include "base/err.h"
 #include "tui/picture/painter.h"
 
-extern const struct graphics graphics_kitty, graphics_tiles, graphics_iterm, graphics_sixel,
-    graphics_sextants, graphics_quadrants, graphics_halves, graphics_none;
+extern const struct graphics graphics_kitty, graphics_tiles, graphics_iterm, graphics_placeholders,
+    graphics_sixel, graphics_sextants, graphics_quadrants, graphics_halves, graphics_none;
 
 /* Protocols that may be used, best first: the first that fits, else the last. A single one needs no
  * detection. */
@@ -53,10 +53,25 @@ struct probe_wish graphics_asks(struct graphics_wish wish,
 void graphics_decide(const struct probe_replies *replies, const struct term_size *size,
                      struct graphics_wish wish, struct terminal_facts *facts);
 
+/* The detection in a session. Begins as {.wish = wish}; {0} is graphics_auto. */
+struct graphics_probe {
+    struct graphics_wish wish;
+    struct probe probe;
+};
+
 /* Ask the terminal, which must be open and raw (probe_terminal), and decide; set the recovery
- * sequence of tui/term.h. Keys typed meanwhile are added to `typed`. */
-enum err graphics_probe(struct graphics_wish wish, struct terminal_facts *facts, struct buf *typed,
-                        struct fault *fault);
+ * sequence of tui/term.h. Keys typed meanwhile are added to `typed`. May be called again: `due`
+ * answers to frames are then due, which are skipped, and *facts are those so far. */
+void graphics_probe(struct graphics_probe *g, unsigned due, struct terminal_facts *facts,
+                    struct buf *typed);
+
+/* Number of answers to its questions that may still arrive. */
+unsigned graphics_due(const struct graphics_probe *g);
+
+/* Pass each reply of the session here: it may be an answer that comes late. PROBE_HAS_ALL: *facts
+ * may have changed, or a question was written, and the screen must be drawn again. */
+enum probe_heard graphics_hear(struct graphics_probe *g, const char *body,
+                               struct terminal_facts *facts);
 
 /* Return the sequence that ends a picture cut in two by the line; otherwise it is harmless. */
 const char *graphics_recovery(const struct terminal_facts *facts);
@@ -73,7 +88,7 @@ void show_inline(const struct terminal_facts *facts, const struct image_view *vi
 
 /* Add the picture itself, at the cursor, by a protocol of pixels: with a palette that suits it, or
  * in 24 bits if it is smooth or has no hues. */
-void graphics_encode(const struct graphics *graphics, const struct image_view *view,
+void graphics_encode(const struct terminal_facts *facts, const struct image_view *view,
                      struct buf *out);
 
 #endif

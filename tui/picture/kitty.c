@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The kitty graphics protocol: pictures as PNG in base64, in chunks, and changed in place; in the
- * second part tiles, for terminals that support only the common part of it.
+ * second part tiles, for terminals that support only the common part of it; in the third tiles
+ * inside tmux.
  *
  *     ESC _ G a=T,C=1,f=100,i=7,z=2,q=2,m=1 ; <4096 base64 bytes> ESC \
  *     ESC _ G q=2,m=1 ; <4096 base64 bytes> ESC \
@@ -30,9 +31,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/least.h"
 #include "base/mem.h"
+#include "base/safe.h"
 #include "tui/picture/graphics.h"
 #include "tui/picture/painter.h"
+#include "tui/tmux.h"
 
 enum { CHUNK = 4096, FEW_PIXELS = 1024 };
 
@@ -51,10 +55,15 @@ enum { PICTURE_Z = 2, STRIP_Z = 1, HOLD = 1000 };
 /* ---- finding it ---- */
 
 /* "_Gi=31;OK" */
-static bool fits(const struct probe_replies *replies)
+static bool has_answered(const struct probe_replies *replies)
 {
     const char *answer = strstr(replies->answers, "_G");
     return answer && strstr(answer, ";OK");
+}
+
+static bool fits(const struct probe_replies *replies)
+{
+    return has_answered(replies) && !probe_is_multiplexed(replies);
 }
 
 /* A terminal without a name may be screen, whatever TERM is. */
@@ -201,7 +210,7 @@ const struct graphics graphics_kitty = {
     .title = "kitty",
     .kind = GRAPHICS_PIXELS,
     .fits = fits,
-    .question = {"\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\", may_ask},
+    .question = {"\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\", may_ask, false},
     .recovery = RECOVERY,
     .made_by = "kitty",
     .instead = &graphics_tiles,
@@ -234,6 +243,7 @@ enum { TILES = 512, ROOM = 64, LAYERS_MOST = 6 };
 
 struct tile {
     uint32_t image, cells, area; /* `area` in cells, seen or not */
+    uint32_t left, top;          /* cells */
 };
 
 struct board {
@@ -241,12 +251,24 @@ struct board {
     uint32_t tiles, z, image; /* the last number */
     uint64_t area;            /* area of all tiles */
     struct tile tile[TILES];
-    uint16_t seen[]; /* [rows][columns] */
+    uint16_t seen[]; /* [rows][columns]; TILES: none */
 };
 
-static void release_tile(struct board *b, struct tile *tile, struct buf *out)
+static bool is_in_cells(const struct painter *p)
 {
-    free_picture(tile->image, out);
+    return (p->holder ? p->holder : p->facts.graphics) == &graphics_placeholders;
+}
+
+/* Delete the picture of a tile, which is on the screen in no cell. */
+static void release_tile(struct painter *p, struct tile *tile, struct buf *out)
+{
+    OWNED(buf_release) struct buf command = {0};
+    struct board *b = p->held;
+    free_picture(tile->image, &command);
+    if (is_in_cells(p))
+        tmux_wrap(out, &command);
+    else
+        buf_add_text(out, buf_text(&command));
     b->area -= tile->area;
     b->tiles--;
     *tile = (struct tile){0};
@@ -260,34 +282,51 @@ static void add_tile(struct painter *p, const struct raster *part, uint32_t imag
     add_smaller(p, part, first, "", out);
 }
 
+/* Return a free place: a picture is worn before none is left. */
+static uint16_t free_place(const struct board *b)
+{
+    uint16_t i = 0;
+    while (b->tile[i].image)
+        i++;
+    return i;
+}
+
+/* Put a tile, which was sent, into its place: it is visible in `cells` now. */
+static void take_cells(struct painter *p, uint16_t place, uint32_t image,
+                       const struct raster_box *cells, unsigned most, struct buf *out)
+{
+    struct board *b = p->held;
+    const uint32_t area = cells->width * cells->height;
+    b->tile[place] = (struct tile){image, area, area, cells->left, cells->top};
+    b->tiles++;
+    b->area += area;
+    for (uint32_t y = cells->top; y < cells->top + cells->height; y++)
+        for (uint32_t x = cells->left; x < cells->left + cells->width; x++) {
+            uint16_t *seen = &b->seen[(size_t)y * b->columns + x];
+            if (*seen < TILES && --b->tile[*seen].cells == 0)
+                release_tile(p, &b->tile[*seen], out);
+            *seen = place;
+        }
+    p->is_whole_next =
+        b->tiles > most - ROOM || b->area > (uint64_t)LAYERS_MOST * b->columns * b->rows;
+}
+
+static struct raster_box cells_of(const struct painter *p, const struct raster_box *box)
+{
+    const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
+    return (struct raster_box){box->left / width, box->top / height, box->width / width,
+                               box->height / height};
+}
+
 static void patch_tiles(struct painter *p, const struct raster *raster,
                         const struct raster_box *box, struct buf *out)
 {
-    const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
-    const struct raster_box cells = {box->left / width, box->top / height, box->width / width,
-                                     box->height / height};
+    const struct raster_box cells = cells_of(p, box);
     const struct raster part = raster_part(raster, *box);
     struct board *b = p->held;
     painter_move_to(p, cells.left, cells.top, out);
     add_tile(p, &part, ++b->image, ++b->z, out);
-    /* The tile in `box`, in cells, is visible there now. There is a free place for it: a picture is
-     * worn before none is left. */
-    const uint32_t area = cells.width * cells.height;
-    uint16_t i = 0;
-    while (b->tile[i].image)
-        i++;
-    b->tile[i] = (struct tile){b->image, area, area};
-    b->tiles++;
-    b->area += area;
-    for (uint32_t y = cells.top; y < cells.top + cells.height; y++)
-        for (uint32_t x = cells.left; x < cells.left + cells.width; x++) {
-            uint16_t *seen = &b->seen[(size_t)y * b->columns + x];
-            if (--b->tile[*seen].cells == 0)
-                release_tile(b, &b->tile[*seen], out);
-            *seen = i;
-        }
-    p->is_whole_next =
-        b->tiles > TILES - ROOM || b->area > (uint64_t)LAYERS_MOST * b->columns * b->rows;
+    take_cells(p, free_place(b), b->image, &cells, TILES, out);
 }
 
 static void remove_tiles(struct painter *p, struct buf *out)
@@ -295,28 +334,34 @@ static void remove_tiles(struct painter *p, struct buf *out)
     struct board *b = p->held;
     for (unsigned i = 0; b && i < TILES; i++)
         if (b->tile[i].image)
-            release_tile(b, &b->tile[i], out);
+            release_tile(p, &b->tile[i], out);
+}
+
+/* Begin a board without tiles; return false without memory. */
+static bool begin_board(struct painter *p, const struct raster_box *cells, uint32_t image)
+{
+    const size_t count = (size_t)cells->width * cells->height;
+    if (!mem_grow(&p->held, &p->held_capacity, sizeof(struct board) + 2 * count, 1))
+        return false;
+    struct board *b = p->held;
+    *b = (struct board){cells->width, cells->height, .image = image};
+    for (size_t i = 0; i < count; i++)
+        b->seen[i] = TILES;
+    return true;
 }
 
 /* Send one tile, the lowest; it is under the former tiles until these are deleted. */
 static void whole_tile(struct painter *p, const struct raster *raster, struct buf *out)
 {
-    const uint32_t columns = raster->width / p->facts.cell_width;
-    const uint32_t rows = raster->height / p->facts.cell_height;
-    const size_t cells = (size_t)columns * rows, bytes = sizeof(struct board) + 2 * cells;
+    const struct raster_box all = {0, 0, raster->width, raster->height}, cells = cells_of(p, &all);
     const uint32_t image = p->held ? ((struct board *)p->held)->image + 1 : KITTY_FIRST;
     painter_move_to(p, 0, 0, out);
     add_tile(p, raster, image, 0, out);
     remove_tiles(p, out);
-    if (!mem_grow(&p->held, &p->held_capacity, bytes, 1)) {
+    if (begin_board(p, &cells, image))
+        take_cells(p, 0, image, &cells, TILES, out);
+    else
         out->failed = true;
-        return;
-    }
-    struct board *b = p->held;
-    *b = (struct board){columns, rows, .tiles = 1, .image = image, .area = cells};
-    b->tile[0] = (struct tile){image, (uint32_t)cells, (uint32_t)cells};
-    for (size_t i = 0; i < cells; i++)
-        b->seen[i] = 0;
 }
 
 /* It is never detected: it replaces kitty's row for other terminals, or the user asks for it. */
@@ -330,5 +375,179 @@ const struct graphics graphics_tiles = {
     .once = once,
     .whole = whole_tile,
     .patch = patch_tiles,
+    .remove = remove_tiles,
+};
+
+/* ---- tiles in cells of text ---- */
+
+/*
+ * Tiles inside tmux, in the terminal outside: they are sent to it through tmux (tmux_wrap), without
+ * a place, and shown by cells of text that name them. tmux has these cells, so it moves and draws
+ * them as any text.
+ *
+ *     ESC P tmux; ESC ESC _ G a=T,U=1,i=33554450,c=8,r=2,f=100,..;<base64> ESC ESC \ ESC \
+ *     ESC[row;columnH ESC[38;5;18m U+10EEEE U+030D U+0305 U+030E  U+10EEEE  U+10EEEE ..
+ *
+ * The marks of U+10EEEE are the row and the column of the cell in the tile, and the highest byte of
+ * the tile's number; its lowest byte is the colour, one of 256, which tmux leaves as it is. A cell
+ * without marks continues the cell to its left if the colour is the same. Marks cost tmux 30 bytes
+ * a cell, so only the first cell of a tile's row has them, and a cell to the right of another tile.
+ * Source: https://sw.kovidgoyal.net/kitty/graphics-protocol/#unicode-placeholders
+ */
+enum { SIDE_MOST = 64, COLOUR_FIRST = 16, PLACES = 240 };
+#define PLACEHOLDER "\xF4\x8E\xBB\xAE"
+
+static void add_mark(unsigned number, struct buf *out)
+{
+    static const uint16_t mark[SIDE_MOST] = {
+        0x0305, 0x030D, 0x030E, 0x0310, 0x0312, 0x033D, 0x033E, 0x033F, 0x0346, 0x034A, 0x034B,
+        0x034C, 0x0350, 0x0351, 0x0352, 0x0357, 0x035B, 0x0363, 0x0364, 0x0365, 0x0366, 0x0367,
+        0x0368, 0x0369, 0x036A, 0x036B, 0x036C, 0x036D, 0x036E, 0x036F, 0x0483, 0x0484, 0x0485,
+        0x0486, 0x0487, 0x0592, 0x0593, 0x0594, 0x0595, 0x0597, 0x0598, 0x0599, 0x059C, 0x059D,
+        0x059E, 0x059F, 0x05A0, 0x05A1, 0x05A8, 0x05A9, 0x05AB, 0x05AC, 0x05AF, 0x05C4, 0x0610,
+        0x0611, 0x0612, 0x0613, 0x0614, 0x0615, 0x0616, 0x0617, 0x0657, 0x0658};
+    char text[UTF8_BYTES_MOST];
+    buf_add(out, text, utf8_write(text, mark[number]));
+}
+
+/* Add `count` cells of a row of a tile, from a column of the tile on. */
+static void add_cells(uint32_t image, uint32_t row, uint32_t column, uint32_t count,
+                      struct buf *out)
+{
+    buf_printf(out, "\033[38;5;%um" PLACEHOLDER, image & 255);
+    add_mark(row, out);
+    add_mark(column, out);
+    add_mark(image >> 24, out);
+    while (--count > 0)
+        buf_add_text(out, PLACEHOLDER);
+}
+
+static void send_in_cells(struct painter *p, const struct raster *part, uint32_t image,
+                          uint32_t columns, uint32_t rows, struct buf *out)
+{
+    OWNED(buf_release) struct buf commands = {0};
+    char first[64];
+    snprintf(first, sizeof first, "a=T,U=1,i=%u,c=%u,r=%u,", image, columns, rows);
+    add_smaller(p, part, first, "", &commands);
+    tmux_wrap(out, &commands);
+}
+
+static uint32_t number_of(const struct painter *p, unsigned place)
+{
+    return (1u + p->facts.space % (SIDE_MOST - 1u)) << 24 | (COLOUR_FIRST + place);
+}
+
+/* Return the next of the pieces of a box, row by row, whose sides have at most SIDE_MOST cells; the
+ * first if *piece is empty. Return false after the last. */
+static bool next_piece(const struct painter *p, const struct raster_box *box,
+                       struct raster_box *piece)
+{
+    const uint32_t width = SIDE_MOST * p->facts.cell_width;
+    const uint32_t height = SIDE_MOST * p->facts.cell_height;
+    if (piece->width == 0)
+        piece->left = box->left, piece->top = box->top;
+    else
+        piece->left += piece->width;
+    if (piece->left >= box->left + box->width)
+        piece->left = box->left, piece->top += piece->height;
+    if (piece->top >= box->top + box->height)
+        return false;
+    piece->width = least(width, box->left + box->width - piece->left);
+    piece->height = least(height, box->top + box->height - piece->top);
+    return true;
+}
+
+static void patch_cells(struct painter *p, const struct raster *raster,
+                        const struct raster_box *box, struct buf *out)
+{
+    struct board *b = p->held;
+    for (struct raster_box piece = {0}; next_piece(p, box, &piece);) {
+        const struct raster_box cells = cells_of(p, &piece);
+        const struct raster part = raster_part(raster, piece);
+        const uint16_t place = free_place(b);
+        const uint32_t image = number_of(p, place), right = cells.left + cells.width;
+        send_in_cells(p, &part, image, cells.width, cells.height, out);
+        for (uint32_t row = 0; row < cells.height; row++) {
+            const uint32_t y = cells.top + row;
+            painter_move_to(p, cells.left, y, out);
+            add_cells(image, row, 0, cells.width, out);
+            const uint16_t next =
+                right < b->columns ? b->seen[(size_t)y * b->columns + right] : TILES;
+            if (next < TILES) /* it continued a cell that is no more */
+                add_cells(b->tile[next].image, y - b->tile[next].top, right - b->tile[next].left, 1,
+                          out);
+        }
+        take_cells(p, place, image, &cells, PLACES, out);
+    }
+    buf_add_text(out, "\033[m");
+}
+
+/* All cells are written, so that the former tiles are deleted. */
+static void whole_cells(struct painter *p, const struct raster *raster, struct buf *out)
+{
+    const struct raster_box all = {0, 0, raster->width, raster->height}, cells = cells_of(p, &all);
+    const struct board *b = p->held;
+    const bool is_same = b && b->tiles && b->columns == cells.width && b->rows == cells.height;
+    if (!is_same)
+        remove_tiles(p, out);
+    if (is_same || begin_board(p, &cells, 0))
+        patch_cells(p, raster, &all, out);
+    else
+        out->failed = true;
+}
+
+/* Lines that begin at the left edge. */
+static void once_cells(struct painter *p, const struct raster *raster, struct buf *out)
+{
+    const uint32_t columns = (raster->width + p->facts.cell_width - 1) / p->facts.cell_width;
+    const uint32_t rows = (raster->height + p->facts.cell_height - 1) / p->facts.cell_height;
+    const struct raster_box all = {0, 0, raster->width, raster->height};
+    unsigned places = 0;
+    for (struct raster_box piece = {0}; next_piece(p, &all, &piece);) {
+        const struct raster part = raster_part(raster, piece);
+        const uint32_t left = piece.left / p->facts.cell_width;
+        const uint32_t top = piece.top / p->facts.cell_height;
+        send_in_cells(p, &part, number_of(p, places++), least(SIDE_MOST, columns - left),
+                      least(SIDE_MOST, rows - top), out);
+    }
+    const uint32_t across = (columns + SIDE_MOST - 1) / SIDE_MOST;
+    for (uint32_t row = 0; row < rows; row++) {
+        for (uint32_t i = 0; i < across; i++)
+            add_cells(number_of(p, row / SIDE_MOST * across + i), row % SIDE_MOST, 0,
+                      least(SIDE_MOST, columns - i * SIDE_MOST), out);
+        buf_add_text(out, row + 1 < rows ? "\r\n" : "\033[m");
+    }
+}
+
+/* Terminals that answer without having placeholders: kitty before 0.28, and a few others. */
+static bool may_have_cells(const struct probe_replies *replies)
+{
+    static const char *const lacking[] = {"wezterm", "konsole", "iterm2", "tmux", NULL};
+    const char *name = replies->outer.name;
+    unsigned major = 0, minor = 0;
+    if (!probe_is_tmux(replies) || !name[0] || probe_has_word(name, lacking))
+        return false;
+    return sscanf(name, "kitty(%u.%u", &major, &minor) < 2 || major > 0 || minor >= 28;
+}
+
+static bool cells_fit(const struct probe_replies *replies)
+{
+    return has_answered(replies) && may_have_cells(replies);
+}
+
+const struct graphics graphics_placeholders = {
+    .name = "placeholders",
+    .title = "kitty through tmux",
+    .kind = GRAPHICS_PIXELS,
+    .fits = cells_fit,
+    .question = {"\033Ptmux;\033\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\033\\\033\\",
+                 may_have_cells, true},
+    .recovery = "\033\\\033Ptmux;\033\033_Gm=0,q=2;\033\033\\\033\\",
+    .over_cells = true,
+    .in_cells = true,
+    .patch_cost = 300,
+    .once = once_cells,
+    .whole = whole_cells,
+    .patch = patch_cells,
     .remove = remove_tiles,
 };

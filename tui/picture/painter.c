@@ -255,6 +255,11 @@ static void erase(const struct painter *p, struct buf *out)
     }
 }
 
+static bool is_erased(const struct painter *p)
+{
+    return !p->facts.graphics->remove || p->facts.graphics->in_cells;
+}
+
 void painter_remove(struct painter *p, struct buf *out)
 {
     if (p->holder)
@@ -262,7 +267,7 @@ void painter_remove(struct painter *p, struct buf *out)
     for (unsigned i = 0; p->holder && p->holder->keeping && i < STRIPS_MOST; i++)
         hide_slot(p, i, out); /* the terminal still stores it */
     p->kept.strips = 0;
-    if (p->is_shown && !p->facts.graphics->remove)
+    if (p->is_shown && is_erased(p))
         erase(p, out);
     p->holder = NULL;
     p->is_shown = false;
@@ -491,7 +496,7 @@ static bool show_pixels(struct painter *p, const struct image_view *view, struct
         width = whole_units(width, p->facts.cell_width);
         height = whole_units(height, p->facts.cell_height);
     }
-    if (p->is_shown && p->facts.graphics->over_cells && !p->facts.graphics->remove &&
+    if (p->is_shown && p->facts.graphics->over_cells && is_erased(p) &&
         (width < p->width || height < p->height))
         erase(p, out);
     if (width != p->width || height != p->height)

@@ -206,6 +206,7 @@ struct graphics {
 
     /* -- pixels -- */
     bool over_cells;     /* drawn over cells, so patches are whole cells; else pixels are changed */
+    bool in_cells;       /* shown by text, which is erased with it */
     bool palette_always; /* else 24 bits are possible too */
     uint32_t patch_cost; /* fixed cost of a patch, in pixels: escape, headers, palette */
     void (*once)(struct painter *, const struct raster *, struct buf *);  /* at the cursor */

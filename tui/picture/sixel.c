@@ -222,10 +222,10 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
         }
 }
 
-/* DA1 with parameter 4. */
+/* DA1 with parameter 4; a tmux that has sixel answers so whatever the terminal outside has. */
 static bool fits(const struct probe_replies *replies)
 {
-    return replies->attributes >> 4 & 1;
+    return replies->attributes >> 4 & 1 && (!probe_is_tmux(replies) || replies->outer.has_sixel);
 }
 
 const struct graphics graphics_sixel = {

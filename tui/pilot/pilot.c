@@ -51,6 +51,7 @@ struct pilot {
     struct terminal_facts *facts;
     struct line_editor *editor; /* shares input and keys with the prompt */
     struct pilot_state *state;
+    int told; /* index of the present sequences in screen_of; -1: none */
     struct painter painter;
     struct buf message;     /* about the last key or command; removed by the next */
     bool is_stale;          /* the screen does not show the present state, */
@@ -313,7 +314,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
     if (p->facts->synchronizes)
         buf_add_text(&out, FRAME_ENDS);
     if (p->facts->answers)
-        buf_add_text(&out, "\033[c");
+        buf_add_text(&out, p->facts->barrier);
     p->is_stale = p->is_blank = false;
     p->shows = facts.shows;
     return send_frame(p, &out, fault);
@@ -343,7 +344,7 @@ static enum err send_ahead(struct pilot *p, struct fault *fault)
         add_rows(&out, p, &facts, &size);
     if (out.length == 0)
         return OK;
-    buf_add_text(&out, "\033[c");
+    buf_add_text(&out, p->facts->barrier);
     return send_frame(p, &out, fault);
 }
 
@@ -355,6 +356,20 @@ static void lay_out(struct pilot *p)
     painter_place(&p->painter, p->facts, 0, 0, size.columns,
                   size.rows > rows_of_text(p) + 1 ? size.rows - rows_of_text(p) : 1);
     p->is_stale = p->is_blank = true;
+}
+
+/* Use the facts about the terminal, which may have changed. */
+static enum err adopt_facts(struct pilot *p, struct fault *fault)
+{
+    const struct terminal_facts *facts = p->facts;
+    const int told = facts->mouse ? 1 + (facts->mouse_unit != MOUSE_CELLS) : 0;
+    const bool is_new = told != p->told;
+    p->told = told;
+    p->flow.silent = !facts->answers;
+    p->editor->keys.unit = facts->mouse_unit;
+    p->facts->reports |= facts->mouse;
+    lay_out(p);
+    return is_new ? term_change_sequences(screen_of[told].enter, screen_of[told].leave, fault) : OK;
 }
 
 static enum err clear_picture(struct pilot *p, bool all_anew, struct fault *fault)
@@ -579,13 +594,6 @@ static enum err show_pages(struct pilot *p, const struct buf *text, struct fault
     return err || is_shown ? err : show_by_pages(p, text, fault);
 }
 
-/* A frame has been drawn, while a line is edited below. */
-static void frame_answered(void *asker)
-{
-    struct pilot *p = asker;
-    flow_answered(&p->flow, clock_ns());
-}
-
 static enum err ask_for_command(struct pilot *p, struct fault *fault)
 {
     OWNED(buf_release) struct buf output = {0};
@@ -593,15 +601,14 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     bool ended = false;
     enum err err = go_to_last_row("\033[K\033[?25h", fault);
     p->editor->is_one_line = true;
-    p->editor->answered = frame_answered;
-    p->editor->asker = p;
     if (!err)
         err = line_edit(p->editor, ":", &ended, fault);
     p->editor->is_one_line = false;
-    p->editor->answered = NULL;
     if (!err)
         err = term_write("\033[?25l", 6, fault);
-    lay_out(p); /* long lines may have scrolled the picture, and the screen may be resized */
+    /* Long lines may have scrolled the picture, and the screen or the facts may have changed. */
+    if (!err)
+        err = adopt_facts(p, fault);
     const char *line = buf_text(&p->editor->line.text);
     if (!err && !ended && line[strspn(line, " \t")]) {
         err = carry_out(p, line, &output, &of_command, fault);
@@ -636,14 +643,24 @@ static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
 
 /* ---- keys ---- */
 
+/* A frame has been drawn. */
+static void frame_answered(void *asker)
+{
+    struct pilot *p = asker;
+    flow_answered(&p->flow, clock_ns());
+}
+
 static enum err do_request(struct pilot *p, enum pilot_request request, struct fault *fault)
 {
     if (request == PILOT_PROMPT)
         return ask_for_command(p, fault);
     if (request == PILOT_SHOW_KEYS)
         return show_by_pages(p, NULL, fault);
-    if (request == PILOT_REDRAW)
-        return clear_picture(p, true, fault);
+    if (request == PILOT_REDRAW) {
+        const enum err err = leave_screen(p, fault);
+        line_editor_probe(p->editor);
+        return err ? err : adopt_facts(p, fault);
+    }
     p->is_over |= request == PILOT_LEAVE;
     if (request != PILOT_SUSPEND)
         return OK;
@@ -734,8 +751,8 @@ static bool take_pasted(struct pilot *p, struct key_event *event)
 static bool is_for_pilot(struct pilot *p, struct key_event *event)
 {
     if (event->key == KEY_REPLY) {
-        if (keys_body_is_answer(&p->editor->keys))
-            flow_answered(&p->flow, clock_ns());
+        if (line_editor_reply(p->editor))
+            p->is_resized |= adopt_facts(p, NULL) == OK;
         else if (painter_take_reply(&p->painter, p->editor->keys.body))
             ahead_forget(&p->sent), p->is_stale = true;
         if (!(event->modifiers & KEY_ALT))
@@ -922,9 +939,9 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     struct pilot p = {.host = host,
                       .state = state,
                       .facts = facts,
+                      .told = -1,
                       .editor = editor,
                       .pace.within_ns = PACE_SINGLE_NS,
-                      .flow.silent = !facts->answers,
                       .flow.round_trip_ns = facts->round_trip_ns};
     struct buf out = {0};
     *ended = false;
@@ -933,11 +950,9 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
                          COLUMNS_LEAST, ROWS_LEAST);
     pilot_state_enter(state);
     state->sends_ahead = false;
-    facts->reports |= facts->mouse;
-    editor->keys.unit = facts->mouse_unit;
-    const unsigned told = facts->mouse ? 1 + (facts->mouse_unit != MOUSE_CELLS) : 0;
-    enum err err = term_change_sequences(screen_of[told].enter, screen_of[told].leave, fault);
-    lay_out(&p);
+    editor->answered = frame_answered;
+    editor->asker = &p;
+    enum err err = adopt_facts(&p, fault);
     if (!err)
         err = run(&p, fault);
     host->drop(host->context, NULL); /* undo a preview at the end of the input */
@@ -945,6 +960,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     painter_drop(&p.painter, &out);
     term_write_text(&out, "a blank screen", NULL);
     term_change_sequences(TERM_PROMPT_BEGINS, TERM_PROMPT_ENDS, NULL);
+    editor->answered = NULL;
     editor->answers_due += p.flow.due;
     *ended = p.has_ended;
     painter_release(&p.painter);

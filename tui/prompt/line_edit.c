@@ -288,19 +288,35 @@ static enum line_editor_act paste_key(struct line_editor *e, const struct key_ev
     return DUTY_NONE;
 }
 
-void line_editor_reply(struct line_editor *e)
+bool line_editor_reply(struct line_editor *e)
 {
-    const bool is_answer = keys_body_is_answer(&e->keys);
-    if (is_answer && e->answers_due > 0)
+    const char *body = e->keys.body;
+    const bool is_answer = keys_is_answer(body);
+    if (is_answer && e->answers_due > 0) {
         e->answers_due--;
-    else if (is_answer && e->answered)
+        return false;
+    }
+    const enum probe_heard heard =
+        e->probe ? graphics_hear(e->probe, body, e->facts) : PROBE_IGNORES;
+    e->unanswered &= heard != PROBE_HAS_ALL;
+    if (heard == PROBE_IGNORES && is_answer && e->answered)
         e->answered(e->asker);
+    return heard == PROBE_HAS_ALL;
+}
+
+void line_editor_probe(struct line_editor *e)
+{
+    if (!e->probe)
+        return;
+    graphics_probe(e->probe, e->answers_due, e->facts, &e->input);
+    e->answers_due = 0;
+    e->unanswered = !e->facts->answers;
 }
 
 static enum line_editor_act take_key(struct line_editor *e, const struct key_event *event)
 {
     if (event->key == KEY_REPLY) {
-        line_editor_reply(e);
+        line_editor_reply(e); /* the line is drawn again in any case */
         return DUTY_NONE;
     }
     if (event->key == KEY_PASTE_BEGIN || event->key == KEY_PASTE_END) {
@@ -530,6 +546,7 @@ static enum err carry_out(struct line_editor *e, const char *prompt, enum line_e
         if (e->is_one_line) /* the rest of the screen belongs to the pilot */
             return redraw(e, prompt, fault);
         e->drawing = (struct line_drawing){0};
+        line_editor_probe(e);
         err = term_write("\033[H\033[2J", 7, fault);
         return err ? err : redraw(e, prompt, fault);
     case DUTY_COMPLETE:

@@ -18,6 +18,7 @@
 #include "base/buf.h"
 #include "base/err.h"
 #include "tui/keys.h"
+#include "tui/picture/graphics.h"
 #include "tui/prompt/line.h"
 
 /* ---- the table of keys (line_keys.c) ---- */
@@ -168,11 +169,13 @@ struct line_editor {
     size_t taken;
     bool pasting;
     char keys_before[LINE_KEYS_MOST]; /* the first key of a sequence, Ctrl-X for example */
-    bool is_one_line;     /* a line feed in a paste is a blank; Escape empties and submits it */
-    bool lone_escape;     /* the last byte was an ESC, and nothing followed in time */
-    bool unanswered;      /* the terminal was asked and has not answered yet */
-    bool after_return;    /* a CR ended the last line of a paste: an LF after it is ignored */
-    unsigned answers_due; /* DA1 questions sent, not answered yet */
+    bool is_one_line;  /* a line feed in a paste is a blank; Escape empties and submits it */
+    bool lone_escape;  /* the last byte was an ESC, and nothing followed in time */
+    bool unanswered;   /* the terminal was asked and has not answered yet */
+    bool after_return; /* a CR ended the last line of a paste: an LF after it is ignored */
+    struct graphics_probe *probe; /* of the terminal, with its facts; NULL: replies do not matter */
+    struct terminal_facts *facts;
+    unsigned answers_due;          /* DA1 questions sent, not answered yet */
     void (*answered)(void *asker); /* called for other DA1 answers; or NULL */
     void *asker;
     struct line_drawing drawing;
@@ -203,8 +206,12 @@ void line_editor_rejoin_reply(struct line_editor *e, uint8_t byte);
 bool line_editor_next(struct line_editor *e, struct key_event *event);
 bool line_editor_time_out(struct line_editor *e, struct key_event *event);
 
-/* Call when the terminal has answered: it may be an answer that was due. */
-void line_editor_reply(struct line_editor *e);
+/* Call for each reply of the terminal: it may be an answer that was due, or one of the probe. In
+ * that case return true if the screen must be drawn again. */
+bool line_editor_reply(struct line_editor *e);
+
+/* Ask the terminal again for its features. */
+void line_editor_probe(struct line_editor *e);
 
 /* Wait for due answers: the next program at the terminal would read them as keys. */
 void line_editor_take_answers(struct line_editor *e);

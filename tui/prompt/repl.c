@@ -112,6 +112,7 @@ struct prompt {
     const char *history_path; /* or NULL */
     bool pages;
     struct terminal_facts facts;
+    struct graphics_probe probe;
     struct line_editor editor;
 };
 
@@ -133,9 +134,10 @@ static void add_picture(struct prompt *p, struct buf *out)
     show_inline(&p->facts, &view, size.columns, size.rows, out);
     if (p->facts.answers && p->facts.graphics->kind == GRAPHICS_PIXELS && out->length > before &&
         !out->failed) {
-        buf_add_text(out, "\033[c");
+        buf_add_text(out, p->facts.barrier);
         e->answers_due = 1;
     }
+    p->facts.space++;
 }
 
 /* Show the output of a command with one write, or by pages if `may_page`; never page pictures. */
@@ -260,7 +262,7 @@ static enum err run_prompt(struct prompt *p, struct fault *fault)
     return err;
 }
 
-static enum err open_terminal(int in, struct graphics_wish wish, bool prompts,
+static enum err open_terminal(int in, struct graphics_probe *probe, bool prompts,
                               struct terminal_facts *facts, struct buf *typed, struct fault *fault)
 {
     enum err err = term_open(in, STDOUT_FILENO, fault);
@@ -269,7 +271,7 @@ static enum err open_terminal(int in, struct graphics_wish wish, bool prompts,
     term_set_sequences(prompts ? TERM_PROMPT_BEGINS : "", prompts ? TERM_PROMPT_ENDS : "");
     err = term_set_mode(TERM_RAW, fault);
     if (!err)
-        err = graphics_probe(wish.count ? wish : graphics_auto, facts, typed, fault);
+        graphics_probe(probe, 0, facts, typed);
     return err;
 }
 
@@ -281,7 +283,10 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     struct prompt p = {.host = host,
                        .history_path = options->history_path,
                        .pages = options->pages,
-                       .editor = {.line.history = &p.editor.history,
+                       .probe.wish = options->graphics,
+                       .editor = {.probe = &p.probe,
+                                  .facts = &p.facts,
+                                  .line.history = &p.editor.history,
                                   .complete = host->complete,
                                   .knows = host->knows,
                                   .find = host->find,
@@ -296,7 +301,7 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     bool ended;
     if (options->history_path)
         loaded = line_history_load(&e->history, options->history_path, &of_history);
-    enum err err = open_terminal(STDIN_FILENO, options->graphics, true, &p.facts, &e->input, fault);
+    enum err err = open_terminal(STDIN_FILENO, &p.probe, true, &p.facts, &e->input, fault);
     if (!err)
         warn_of_history(&p, loaded, &of_history);
     e->hint = p.facts.colours != COLOURS_NONE ? host->hint : NULL;
@@ -305,7 +310,7 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     if (!err)
         err = is_screen ? host->screen(host->context, &p.facts, e, &ended, fault)
                         : run_prompt(&p, fault);
-    probe_leave(&p.facts, e->answers_due);
+    probe_leave(&p.facts, e->answers_due + graphics_due(&p.probe));
     term_close();
     line_editor_release(e);
     return err;
@@ -335,6 +340,7 @@ enum err run_screen_once(const struct repl_host *host, struct graphics_wish wish
 bool show_picture_once(struct graphics_wish wish, const struct image_view *view)
 {
     struct terminal_facts facts;
+    struct graphics_probe probe = {.wish = wish};
     OWNED(buf_release) struct buf out = {0}, typed = {0};
     bool own = !isatty(STDIN_FILENO), shown = false;
     if (!isatty(STDOUT_FILENO))
@@ -342,7 +348,8 @@ bool show_picture_once(struct graphics_wish wish, const struct image_view *view)
     int in = own ? open("/dev/tty", O_RDWR | O_CLOEXEC | O_NOCTTY) : STDIN_FILENO;
     if (in < 0)
         return false;
-    if (tcgetpgrp(in) == getpgrp() && open_terminal(in, wish, false, &facts, &typed, NULL) == OK) {
+    if (tcgetpgrp(in) == getpgrp() &&
+        open_terminal(in, &probe, false, &facts, &typed, NULL) == OK) {
         const struct term_size size = term_size();
         show_inline(&facts, view, size.columns, size.rows, &out);
         shown = out.length > 0 && !out.failed && term_write(out.data, out.length, NULL) == OK;
