@@ -503,6 +503,26 @@ STORY(after_thousands_of_edits_the_screen_shows_the_picture)
     }
 }
 
+/* When tmux draws a pane again, it draws the last 19 sixel pictures: they show everything. */
+STORY(the_last_pictures_that_tmux_keeps_show_all)
+{
+    struct terminal_facts facts = facts_of(&graphics_sixel, 8, 16);
+    uint64_t seed = 14;
+    unsigned wholes = 0;
+    facts.images_most = graphics_sixel.tmux_keeps;
+    begin_at(&facts, 0, 0, 40, 20);
+    struct image_view view = filled(320, 320, &seed);
+    for (unsigned i = 0; i < 300; i++) {
+        show(&view);
+        wholes += painter.images == 1;
+        CHECK(painter.images <= 19);
+        for (unsigned n = check_below(&seed, 9); n > 0; n--)
+            fill_box(&view, check_below(&seed, 320), check_below(&seed, 320), 4, 4, &seed);
+    }
+    show_right(&view);
+    CHECK(wholes > 20 && wholes < 150);
+}
+
 /* No side of a tile has more than 64 cells, and one may end in the middle of another's row. */
 STORY(placeholders_of_a_large_picture_are_several_tiles)
 {

@@ -504,6 +504,48 @@ STORY(inside_tmux_text_has_the_shape_of_the_terminal_outside)
     }
 }
 
+static enum probe_heard hear_all(struct probe *p, const char *const *bodies)
+{
+    enum probe_heard heard = PROBE_IGNORES;
+    for (; *bodies; bodies++)
+        heard = probe_hear(p, *bodies);
+    return heard;
+}
+
+/* Frames are answered meanwhile, by tmux itself; and answers of an earlier probe come first. */
+STORY(answers_may_come_during_the_session)
+{
+    static const struct probe_environment environment = TERM("tmux-256color");
+    const struct term_size size = {.columns = 80, .rows = 24};
+    OWNED(buf_release) struct buf asked = {0};
+    struct terminal_facts f;
+    struct probe p = {.wish = graphics_asks(graphics_auto, &environment),
+                      .replies.environment = environment,
+                      .due = 1};
+    CHECK(probe_ask(&p, &asked) && !probe_ask(&p, &asked));
+    CHECK_INT(hear_all(&p, (const char *const[]){"[?1;2;4c", NULL}), PROBE_HEARS);
+    CHECK(!p.replies.da1);
+    CHECK_INT(hear_all(&p, (const char *const[]){"[>84;0;0c", "P>|tmux 3.5a", "[?1;2;4c", NULL}),
+              PROBE_HAS_ALL);
+    CHECK(probe_ask(&p, &asked));
+    CHECK_INT(hear_all(&p, (const char *const[]){"[6;2R", "[?1;2;4c", NULL}), PROBE_HAS_ALL);
+    CHECK(probe_ask(&p, &asked) && p.replies.is_outer);
+    CHECK_INT(hear_all(&p, (const char *const[]){"[?1;2;4c", "[?1;2;4c", NULL}), PROBE_IGNORES);
+    graphics_decide(&p.replies, &size, graphics_auto, &f);
+    CHECK(f.graphics == &graphics_halves && f.advice);
+    CHECK_TEXT(f.barrier, PROBE_BARRIER);
+    CHECK_INT(hear_all(&p, (const char *const[]){"P>|kitty(0.41.1)", "[?62;c", "[0n", NULL}),
+              PROBE_HAS_ALL);
+    CHECK(probe_ask(&p, &asked));
+    CHECK_INT(hear_all(&p, (const char *const[]){"_Gi=31;OK", "[0n", NULL}), PROBE_HAS_ALL);
+    CHECK(!probe_ask(&p, &asked));
+    CHECK_INT(hear_all(&p, (const char *const[]){"[0n", "_Gi=31;OK", "[?62;c", NULL}),
+              PROBE_IGNORES);
+    graphics_decide(&p.replies, &size, graphics_auto, &f);
+    CHECK(f.graphics == &graphics_placeholders && !f.advice && f.images_most == 0);
+    CHECK_TEXT(f.barrier, PROBE_OUTER_BARRIER);
+}
+
 STORY(modes_are_answered_with_a_number)
 {
     static const struct {

@@ -46,6 +46,11 @@ enter "seed 20,10,8 0"
 entering "render" "$half_block" '^s>$'
 press C-l
 
+begin "info names the kind of pictures, and the line that a tmux needs for better ones"
+entering "info" '^graphics  text: half blocks$' 'set -g allow-passthrough on'
+press q C-u # it may be shown by pages
+press C-l
+
 begin "a picture is written in the background, and reported above the line"
 entering "render prompt.png" '^writing prompt\.png$'
 typing "half a li" '^wrote prompt\.png$' '^s> half a li$'

@@ -348,6 +348,29 @@ JOB_STORY(an_answer_that_comes_after_two_seconds_is_neither_text_nor_harm)
     CHECK_INT(left_to_read(), 0);
 }
 
+JOB_STORY(a_late_answer_upgrades_the_session)
+{
+    struct setting setting = vt340;
+    setting.delay_ms = 2300;
+    start_at_prompt(&setting);
+    SEE_AFTER("info", "\033[?2;4;0S", "info"); /* the next questions; the line is drawn again */
+    t.delay_ms = 0;
+    SEE_AFTER("\025picture\rquit\r", "\033P0;1q");
+    CHECK_INT(job_report(&t.job), 0);
+    CHECK_INT(left_to_read(), 0);
+}
+
+JOB_STORY(ctrl_l_asks_a_silent_terminal_again)
+{
+    start_at_prompt(&silent);
+    t.da1 = vt340.da1;
+    t.name = vt340.name;
+    SEE_AFTER("\014", "\033[>q", "\033[c", "\033[H\033[2J", "ch2> ");
+    SEE_AFTER("picture\rquit\r", "\033P0;1q");
+    CHECK_INT(job_report(&t.job), 0);
+    CHECK_INT(left_to_read(), 0);
+}
+
 QUIT_STORY(a_large_paste_is_one_redraw_and_its_lines_are_run)
 {
     OWNED(buf_release) struct buf paste = {0};

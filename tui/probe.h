@@ -63,9 +63,11 @@ struct terminal_facts {
     enum colours colours;
     uint32_t cell_width, cell_height; /* px, 4..64 */
     uint32_t image_side_most;         /* px; a larger picture may not be drawn at all */
-    enum block_shape shape;           /* pictures of text have this one */
-    bool answers;                     /* it answered DA1, so barriers work */
+    unsigned images_most;   /* pictures that tmux keeps, to draw them again; 0: any number */
+    enum block_shape shape; /* pictures of text have this one */
+    bool answers;           /* it answered DA1, so barriers work */
     const char *barrier;    /* the question at the end of a frame, whose answer is a DA1 */
+    const char *advice;     /* on better pictures, or NULL */
     uint8_t space;          /* for numbers of pictures that rarely occur twice in a terminal */
     bool answer_due;        /* it was asked and has not answered yet */
     bool synchronizes;      /* ESC[?2026h .. l: output between them appears at once */

@@ -456,6 +456,8 @@ enum err act_info(const struct act *act)
         buf_add_safe_text(out, journal_path(journal));
         buf_printf(out, ", %zu record%s\n", journal_count(journal), plural(journal_count(journal)));
     }
+    if (act->interp->add_terminal)
+        act->interp->add_terminal(act->interp->terminal, out);
     if (!session->has_scene) {
         buf_add_text(out, "no scene is open\n");
         return OK;

@@ -99,6 +99,8 @@ struct interpreter {
     bool has_pilot;       /* at a terminal: `pilot` is available, shown labels are the default */
     bool has_blocks;      /* charts are drawn with the blocks of UTF-8 */
     void (*add_keys)(struct buf *out); /* adds the text of `help keys`, or NULL */
+    void (*add_terminal)(const void *terminal, struct buf *out); /* adds lines of `info`, or NULL */
+    const void *terminal;
     enum interpreter_wish wish;
     bool found_existing; /* the current command has found a file that it must not replace */
     bool shows_picture;  /* the last command made a picture to show inline: */

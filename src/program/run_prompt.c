@@ -438,6 +438,18 @@ static enum err prompt_screen(void *context, struct terminal_facts *facts,
     return err;
 }
 
+static void add_terminal(const void *terminal, struct buf *out)
+{
+    graphics_describe(terminal, out);
+}
+
+static void prompt_terminal(void *context, const struct terminal_facts *facts)
+{
+    struct prompt *prompt = context;
+    prompt->interp.terminal = facts;
+    prompt->interp.add_terminal = add_terminal;
+}
+
 static void prompt_news(void *context, struct buf *output)
 {
     struct prompt *prompt = context;
@@ -453,6 +465,7 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                    .screen_line = "pilot",
                                    .after_screen = add_lesson,
                                    .begin = prompt_begin,
+                                   .terminal = prompt_terminal,
                                    .prompt = prompt_text,
                                    .execute = repl_execute,
                                    .complete = pilot_host_complete,
@@ -472,7 +485,9 @@ static enum err run_repl(struct prompt *prompt, const struct options *o, struct 
                                      .pages = !prompt->config.plain_answers,
                                      .pager = getenv("PAGER"),
                                      .theme = prompt->config.setup.theme};
-    return repl_run(&host, &how, fault);
+    const enum err err = repl_run(&host, &how, fault);
+    prompt->interp.add_terminal = NULL;
+    return err;
 }
 
 /* ---- beginning and end ---- */

@@ -387,7 +387,7 @@ static bool has_quadrants(const struct probe_replies *replies)
 
 const struct graphics graphics_sextants = {
     .name = "sextants",
-    .title = "sextants",
+    .title = "text: sextants",
     .fits = has_sextants,
     .question = {"\r\xF0\x9F\xAC\x80\033[6n", probe_asks_for_sextants},
     .shape = BLOCK_SEXTANT,
@@ -396,7 +396,7 @@ const struct graphics graphics_sextants = {
 
 const struct graphics graphics_quadrants = {
     .name = "quadrants",
-    .title = "quadrants",
+    .title = "text: quadrants",
     .fits = has_quadrants,
     .shape = BLOCK_QUADRANT,
     TEXT,
@@ -404,7 +404,7 @@ const struct graphics graphics_quadrants = {
 
 const struct graphics graphics_halves = {
     .name = "halves",
-    .title = "half blocks",
+    .title = "text: half blocks",
     .shape = BLOCK_HALF,
     TEXT,
 };

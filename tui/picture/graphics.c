@@ -98,6 +98,28 @@ static const struct graphics *choose(const struct probe_replies *replies, struct
     return all_of(wish.of[wish.count - 1], replies);
 }
 
+/* Advise a user whose pictures are made of text, though the terminal may show others. */
+static const char *advice_on(const struct probe_replies *replies, struct graphics_wish wish)
+{
+    const struct probe_environment *e = &replies->environment;
+    if (wish.count == 1 || e->no_color || probe_is_silent(e, graphics_asks(wish, e)))
+        return NULL;
+    if (!replies->da1)
+        return "the terminal has not answered: Ctrl-L asks again";
+    const bool may_have =
+        !replies->outer.name[0] || graphics_placeholders.question.may_ask(replies);
+    return probe_is_tmux(replies) && replies->outer.passing != TMUX_PASSES && may_have
+               ? "kitty and ghostty show more with `set -g allow-passthrough on` in ~/.tmux.conf"
+               : NULL;
+}
+
+void graphics_describe(const struct terminal_facts *facts, struct buf *out)
+{
+    buf_printf(out, "graphics  %s\n", facts->graphics->title);
+    if (facts->advice)
+        buf_printf(out, "          %s\n", facts->advice);
+}
+
 void graphics_decide(const struct probe_replies *replies, const struct term_size *size,
                      struct graphics_wish wish, struct terminal_facts *facts)
 {
@@ -105,6 +127,8 @@ void graphics_decide(const struct probe_replies *replies, const struct term_size
     facts->graphics = choose(replies, wish);
     if (facts->graphics->kind == GRAPHICS_TEXT)
         facts->shape = facts->graphics->shape;
+    facts->advice = facts->graphics->kind == GRAPHICS_TEXT ? advice_on(replies, wish) : NULL;
+    facts->images_most = probe_is_tmux(replies) ? facts->graphics->tmux_keeps : 0;
     if (facts->graphics->kind == GRAPHICS_PIXELS && replies->outer_answers)
         facts->barrier = PROBE_OUTER_BARRIER;
 }
@@ -140,7 +164,7 @@ void graphics_probe(struct graphics_probe *g, unsigned due, struct terminal_fact
         *facts = (struct terminal_facts){.space = (uint8_t)getpid()};
     g->probe = (struct probe){.wish = graphics_asks(g->wish, &environment),
                               .replies.environment = environment,
-                              .due = due + (facts->answer_due ? 1 : 0)};
+                              .due = due};
     probe_terminal(&g->probe, is_first || facts->answers ? LIMIT_MS : AGAIN_MS,
                    &facts->round_trip_ns, typed);
     decide(g, facts);
@@ -191,7 +215,8 @@ void graphics_encode(const struct terminal_facts *facts, const struct image_view
 static void add_framed(const struct terminal_facts *facts, const struct image_view *view,
                        struct buf *out)
 {
-    const uint32_t rows = (view->height + facts->cell_height - 1) / facts->cell_height;
+    const uint32_t rows = (view->height + facts->cell_height - 1) / facts->cell_height +
+                          (facts->images_most > 0); /* as in painter_place */
     buf_add_char(out, '\r');
     for (uint32_t i = 0; i < rows; i++)
         buf_add_char(out, '\n');
@@ -203,7 +228,8 @@ static void add_framed(const struct terminal_facts *facts, const struct image_vi
 void show_inline(const struct terminal_facts *facts, const struct image_view *view,
                  uint32_t columns, uint32_t rows, struct buf *out)
 {
-    const uint32_t picture_rows = rows > 1 ? rows - 1 : 1, side = facts->image_side_most;
+    const uint32_t spare = 1 + (facts->images_most > 0), side = facts->image_side_most;
+    const uint32_t picture_rows = rows > spare ? rows - spare : 1;
     struct image_view fitting = *view;
     if (view->width == 0 || view->height == 0)
         return;

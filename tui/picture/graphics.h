@@ -53,6 +53,9 @@ struct probe_wish graphics_asks(struct graphics_wish wish,
 void graphics_decide(const struct probe_replies *replies, const struct term_size *size,
                      struct graphics_wish wish, struct terminal_facts *facts);
 
+/* Add a line that names the row, and one of advice. */
+void graphics_describe(const struct terminal_facts *facts, struct buf *out);
+
 /* The detection in a session. Begins as {.wish = wish}; {0} is graphics_auto. */
 struct graphics_probe {
     struct graphics_wish wish;

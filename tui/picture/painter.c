@@ -26,6 +26,7 @@ void painter_place(struct painter *p, const struct terminal_facts *facts, unsign
                    unsigned row, unsigned columns, unsigned rows)
 {
     const struct terminal_facts *f = &p->facts;
+    rows -= facts->images_most > 0 && rows > 1;
     if (f->graphics != facts->graphics || f->colours != facts->colours ||
         f->cell_width != facts->cell_width || f->cell_height != facts->cell_height ||
         f->shape != facts->shape || p->column != column || p->row != row || p->columns != columns ||
@@ -290,7 +291,7 @@ void painter_release(struct painter *p)
 
 struct stale {
     struct raster_box box[BOXES_MOST];
-    unsigned count;
+    unsigned count, most;
     uint64_t cost; /* pixels in all boxes, and the fixed cost of each box */
 };
 
@@ -325,7 +326,7 @@ static void add_box(struct stale *stale, struct raster_box box, uint32_t box_cos
                 best = i;
             }
         }
-        if (least_growth > 0 && stale->count < BOXES_MOST)
+        if (least_growth > 0 && stale->count < stale->most)
             break;
         box = bounding_box(stale->box[best], box);
         stale->box[best] = stale->box[--stale->count];
@@ -428,6 +429,7 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
     const uint32_t box_cost = p->kept.strips ? CLEAR_FACTOR * g->patch_cost : g->patch_cost;
     const size_t each = raster_pixel_bytes(&now);
     stale->count = 0;
+    stale->most = p->facts.images_most ? p->facts.images_most / 4 : BOXES_MOST;
     stale->cost = 0;
     for (uint32_t top = 0; top < now.height; top += tile_height) {
         const uint32_t height = least(tile_height, now.height - top);
@@ -478,6 +480,7 @@ static bool show_whole(struct painter *p, const struct image_view *view, struct 
     const struct graphics *g = p->facts.graphics;
     p->effort = view->is_slow ? PNG_SLOW_LINE : view->is_coarse ? PNG_FILE : PNG_FAST;
     p->is_whole_next = false;
+    p->images = 0;
     if (g->whole)
         g->whole(p, &raster, out);
     else

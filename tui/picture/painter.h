@@ -110,6 +110,7 @@ struct painter {
     struct png_writer png;
     enum png_effort effort;  /* for the present patch */
     bool is_whole_next;      /* the next picture must be sent whole */
+    unsigned images;         /* sent since the last whole one, with it */
     void *scratch;           /* memory reused from picture to picture, */
     size_t scratch_capacity; /* in bytes */
     void *held;              /* the protocol's data about parts that the terminal stores, */
@@ -118,7 +119,9 @@ struct painter {
 };
 
 /* Set the place of the picture, at least 1x1 cells, and the method. Forgets the screen if either
- * changes; to move a picture that is shown, remove it first. */
+ * changes; to move a picture that is shown, remove it first. Where facts->images_most is set, the
+ * last row stays free: tmux counts a sixel picture in bands of six pixels, and drops it when text
+ * is written to a row that the last band reaches. */
 void painter_place(struct painter *p, const struct terminal_facts *facts, unsigned column,
                    unsigned row, unsigned columns, unsigned rows);
 
@@ -207,6 +210,7 @@ struct graphics {
     /* -- pixels -- */
     bool over_cells;     /* drawn over cells, so patches are whole cells; else pixels are changed */
     bool in_cells;       /* shown by text, which is erased with it */
+    unsigned tmux_keeps; /* facts.images_most inside tmux */
     bool palette_always; /* else 24 bits are possible too */
     uint32_t patch_cost; /* fixed cost of a patch, in pixels: escape, headers, palette */
     void (*once)(struct painter *, const struct raster *, struct buf *);  /* at the cursor */

@@ -205,7 +205,8 @@ static uint32_t side_most(const struct painter *p, uint32_t cell)
     return cells > 0 ? cells * cell : UINT32_MAX;
 }
 
-/* Send as many pictures as the terminal's limit requires: xterm does not draw a larger one. */
+/* Send as many pictures as the terminal's limit requires: xterm does not draw a larger one. tmux
+ * draws its last pictures again when it draws a pane, so these must show all. */
 static void patch(struct painter *p, const struct raster *raster, const struct raster_box *box,
                   struct buf *out)
 {
@@ -219,7 +220,9 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
             const struct raster part = raster_part(raster, piece);
             painter_move_to(p, piece.left / width, piece.top / height, out);
             once(p, &part, out);
+            p->images++;
         }
+    p->is_whole_next = p->facts.images_most && p->images > p->facts.images_most / 2;
 }
 
 /* DA1 with parameter 4; a tmux that has sixel answers so whatever the terminal outside has. */
@@ -234,6 +237,7 @@ const struct graphics graphics_sixel = {
     .kind = GRAPHICS_PIXELS,
     .fits = fits,
     .over_cells = true,
+    .tmux_keeps = 19,
     .palette_always = true,
     .patch_cost = 300,
     .once = once,

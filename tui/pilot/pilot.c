@@ -952,6 +952,8 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
     state->sends_ahead = false;
     editor->answered = frame_answered;
     editor->asker = &p;
+    if (!facts->answers && facts->advice)
+        buf_add_text(&p.message, facts->advice);
     enum err err = adopt_facts(&p, fault);
     if (!err)
         err = run(&p, fault);

@@ -307,6 +307,8 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
     e->hint = p.facts.colours != COLOURS_NONE ? host->hint : NULL;
     e->unanswered = !p.facts.answers;
     e->grey = p.facts.colours == COLOURS_16 ? theme->hint_16 : theme->hint;
+    if (!err && host->terminal)
+        host->terminal(host->context, &p.facts);
     if (!err)
         err = is_screen ? host->screen(host->context, &p.facts, e, &ended, fault)
                         : run_prompt(&p, fault);

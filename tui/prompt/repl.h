@@ -27,6 +27,8 @@ struct repl_host {
     /* Start the session, by loading a scene for example: called once, after the prompt has been
      * shown. Keys typed meanwhile wait. An error ends repl_run. May be NULL. */
     enum err (*begin)(void *context, struct buf *output, struct fault *fault);
+    /* Called once with the facts, which live as long as the terminal is open. May be NULL. */
+    void (*terminal)(void *context, const struct terminal_facts *facts);
     /* Add the prompt, "ch2> ". */
     void (*prompt)(void *context, struct buf *out);
     /* Carry out `line`, which is not blank; add text to print to `output`, also after an error. */
