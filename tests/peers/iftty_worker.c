@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* iftty's engine as a worker: iftty_worker FOLDER THREADS. The first run after a reset plants all markers as one edit of an
- * empty forest; each later run is the differential update from the former markers to the present
- * ones.
+/* iftty's engine as a worker: iftty_worker FOLDER THREADS. The first run after a reset plants all
+ * markers as one edit of an empty forest; each later run is the differential update from the former
+ * markers to the present ones.
  *
  * The stages: "cells", making the scene's cells from the gradient, and an empty forest, after a
  * reset; "list", finding the edits in the map of markers; "run", forest_edit, which updates the

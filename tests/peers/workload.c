@@ -3,14 +3,14 @@
  *
  * The scene must have 8 bits, which some peers order fastest. With 16 bits, its intensities are
  * multiplied by WIDEN, and a hash of the place is added that is below WIDEN, so that the gradient
- * has many values. The gradient is that of `weight morph` over 6 neighbours. The first markers are the regions of the atlas, each shrunk by three rounds, and
- * the air: voxels darker than DARK that lie in no region, shrunk likewise, as label 0.
+ * has many values. The gradient is that of `weight morph` over 6 neighbours. The first markers are
+ * the regions of the atlas, each shrunk by three rounds, and the air: voxels darker than DARK that
+ * lie in no region, shrunk likewise, as label 0.
  *
  * Each further set has one correction more, a ball of seeds. The third and the seventh lie where
- * two regions of the atlas meet, and have the label of the region on the other side: they move a
- * border between dense markers. The others lie in the head where there is no region, and have the
- * number of the edit as label: they claim what no marker was near. Where a ball covers markers, it
- * takes their place.
+ * two regions meet, and have the label of the region on the other side: they move a border between
+ * dense markers. The others lie in the head where there is no region, and have the number of the
+ * edit as label: they claim what no marker was near. A ball takes the place of markers it covers.
  *
  *     FOLDER/size             "X Y Z BITS"
  *     FOLDER/gradient.u16     two bytes per voxel, x fastest
