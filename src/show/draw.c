@@ -264,13 +264,15 @@ static enum err shade_rendition(struct pictures *p, struct fault *fault)
     return OK;
 }
 
-static enum err make_rendition(struct pictures *p, struct rendition *rendition,
-                               const struct view *view, struct fault *fault)
+/* Allocate a rendition with one pixel for `samples` of the camera, along both sides. */
+static enum err make_rendition(struct pictures *p, struct rendition *rendition, uint32_t samples,
+                               struct fault *fault)
 {
     if (rendition->depth)
         return OK;
     outdate_rendition(p);
-    return rendition_init(rendition, view->width, view->height, fault);
+    return rendition_init(rendition, p->camera.view.width / samples,
+                          p->camera.view.height / samples, fault);
 }
 
 /* Allocate the rendition. */
@@ -283,13 +285,13 @@ static enum err make_room(struct pictures *p, enum render_mode mode, struct faul
     if (p->take)
         return OK;
     if (look_of(p)->samples == 1 || fits)
-        err = make_rendition(p, &p->rendition, fine, fault);
+        err = make_rendition(p, &p->rendition, 1, fault);
     else
         rendition_release(&p->rendition); /* bands are drawn instead */
     if (look_of(p)->samples == 1)
         rendition_release(&p->reduced);
     else if (!err)
-        err = make_rendition(p, &p->reduced, &p->session->now.outlook.view, fault);
+        err = make_rendition(p, &p->reduced, look_of(p)->samples, fault);
     if (err)
         pictures_release_rendition(p);
     return err;
