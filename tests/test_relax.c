@@ -287,6 +287,8 @@ static bool agree_again(const struct finish_list *list, const struct scene *scen
     const bool same = made && CHECK(memcmp(label, again, scene->grid.cells) == 0);
     mem_pages_free(label, scene->grid.cells);
     mem_pages_free(again, scene->grid.cells);
+    for (int of = 1; of < LABELS; of++) /* stored fields are up to date */
+        CHECK(!kept->field[of] || finish_box_is_empty(&kept->changed[of]));
     return same;
 }
 
@@ -355,8 +357,6 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
     }
     CHECK(kept_fields > 100);
 }
-
-/* ---- fields that are updated around an edit ---- */
 
 /* A plate with two greys in stripes, bands of a label, seeds, and voxels left out. */
 static struct scene *plate_of(uint32_t size[3])

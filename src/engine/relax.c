@@ -68,14 +68,14 @@ static bool is_initial_around(const struct comparing *c, unsigned label, uint32_
 
 /* A voxel became a seed, or is no seed any more: mark the fields that move it. */
 static void follow_seed(const struct comparing *c, struct finish_box changed[256], bool is_seed,
-                        uint32_t at, const uint32_t p[3])
+                        uint32_t at, const struct finish_box *here)
 {
-    const struct finish_box here = {{p[0], p[1], p[2]}, {p[0], p[1], p[2]}};
+    const uint32_t *p = here->first;
     for (unsigned label = 1; label < 256; label++)
-        if (c->kept->field[label] && !finish_box_contains(&changed[label], &here) &&
+        if (c->kept->field[label] && !finish_box_contains(&changed[label], here) &&
             (!relax_field_is_initial(&c->field[label], p[0], p[1], p[2]) ||
              (!is_seed && !is_initial_around(c, label, at, p))))
-            finish_box_include(&changed[label], &here);
+            finish_box_include(&changed[label], here);
 }
 
 static void compare_part(void *context, unsigned worker)
@@ -90,14 +90,14 @@ static void compare_part(void *context, unsigned worker)
             const uint8_t now = c->work->label[at], flags = scene->cell[at].flags & MATTERS;
             if (now == label[at] && flags == stays[at])
                 continue;
-            const uint32_t p[3] = {at - w.row.first, w.y, w.z};
-            const struct finish_box here = {{p[0], p[1], p[2]}, {p[0], p[1], p[2]}};
+            const uint32_t x = at - w.row.first;
+            const struct finish_box here = {{x, w.y, w.z}, {x, w.y, w.z}};
             if (now != label[at]) {
                 finish_box_include(&by->changed[now], &here);
                 finish_box_include(&by->changed[label[at]], &here);
             }
             if ((flags ^ stays[at]) == CELL_SEED)
-                follow_seed(c, by->changed, flags & CELL_SEED, at, p);
+                follow_seed(c, by->changed, flags & CELL_SEED, at, &here);
             else if (flags != stays[at])
                 finish_box_include(&by->moved, &here);
             label[at] = now;
@@ -170,6 +170,7 @@ static void keep_field(struct relax_kept *kept, struct relax_field *field)
         return;
     struct relax_stored *stored = relax_field_store(field, kept->most - kept->bytes);
     kept->field[field->which] = stored;
+    kept->changed[field->which] = finish_box_none(); /* it was computed for the present labels */
     kept->bytes += stored ? stored->bytes : 0;
 }
 

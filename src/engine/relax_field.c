@@ -980,12 +980,11 @@ bool relax_field_update(struct relax_field *part, const struct finish_work *work
 {
     const struct finish_box *const all = &stored->box;
     const struct watch *watch = work->scene->watch;
-    struct updating u = {.stored = stored, .part = part};
     /* The band changes within `reach` voxels of a border; weights change next to a voxel. */
     const struct finish_box defined = finish_box_widen(changed, reach + 1, all);
+    struct updating u = {.stored = stored, .part = part, .differs = defined};
     relax_field_read(&u.whole, work, which, stored);
     part->box = finish_box_none();
-    u.differs = defined;
     /* Voxels around the differences with a valid band. */
     const uint32_t around = 2 * RELAX_CHECKPOINT + RELAX_CHUNK + reach + 1;
     for (uint32_t k = 0; k < stored->checkpoints; k++) {
@@ -1001,14 +1000,12 @@ bool relax_field_update(struct relax_field *part, const struct finish_work *work
             team_run(part->team, make_part, part);
             part->scale = stored->scale;
         }
-        const bool is_made = !watch || !watch->stopped;
-        if (!k && is_made &&
-            (!visit_twins(&u, &defined, 0, define_twin) ||
-             find_scale(&u.whole, stored->band, part->count) != stored->scale))
-            return false;
-        if (k && is_made)
-            visit_twins(&u, &u.differs, 2 * RELAX_CHECKPOINT + RELAX_CHUNK + 1, load_twin);
-        if (is_made) {
+        if (!watch || !watch->stopped) {
+            if (k)
+                visit_twins(&u, &u.differs, 2 * RELAX_CHECKPOINT + RELAX_CHUNK + 1, load_twin);
+            else if (!visit_twins(&u, &defined, 0, define_twin) ||
+                     find_scale(&u.whole, stored->band, part->count) != stored->scale)
+                return false;
             limit_part(&u, k == 0);
             sweep(part, k * RELAX_CHECKPOINT, half_after(part, k));
         }
