@@ -31,9 +31,9 @@
  *                                          since tmux itself may answer a later DA1 question first
  *     ESC_Gi=31,..,a=q;.. ESC\ ESC[5n      kitty graphics, for terminals that report a name
  *
- * The Linux console and similar terminals get no question. For --graphics blocks or without colours
- * the only question is ESC[c, since the frames of a slow line need its answers; for "none" there is
- * no question.
+ * The Linux console and similar terminals get no question. For a shape of text (--graphics halves)
+ * or without colours the only question is ESC[c, since the frames of a slow line need its answers;
+ * for "none" there is no question.
  *
  * Keys typed meanwhile are kept. The deciding functions are pure: replies and environment in, facts
  * out.

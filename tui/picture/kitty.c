@@ -437,31 +437,13 @@ static uint32_t number_of(const struct painter *p, unsigned place)
     return (1u + p->facts.space % (SIDE_MOST - 1u)) << 24 | (COLOUR_FIRST + place);
 }
 
-/* Return the next of the pieces of a box, row by row, whose sides have at most SIDE_MOST cells; the
- * first if *piece is empty. Return false after the last. */
-static bool next_piece(const struct painter *p, const struct raster_box *box,
-                       struct raster_box *piece)
-{
-    const uint32_t width = SIDE_MOST * p->facts.cell_width;
-    const uint32_t height = SIDE_MOST * p->facts.cell_height;
-    if (piece->width == 0)
-        piece->left = box->left, piece->top = box->top;
-    else
-        piece->left += piece->width;
-    if (piece->left >= box->left + box->width)
-        piece->left = box->left, piece->top += piece->height;
-    if (piece->top >= box->top + box->height)
-        return false;
-    piece->width = least(width, box->left + box->width - piece->left);
-    piece->height = least(height, box->top + box->height - piece->top);
-    return true;
-}
-
 static void patch_cells(struct painter *p, const struct raster *raster,
                         const struct raster_box *box, struct buf *out)
 {
     struct board *b = p->held;
-    for (struct raster_box piece = {0}; next_piece(p, box, &piece);) {
+    const uint32_t across = SIDE_MOST * p->facts.cell_width;
+    const uint32_t down = SIDE_MOST * p->facts.cell_height;
+    for (struct raster_box piece = {0}; painter_next_piece(box, across, down, &piece);) {
         const struct raster_box cells = cells_of(p, &piece);
         const struct raster part = raster_part(raster, piece);
         const uint16_t place = free_place(b);
@@ -499,14 +481,15 @@ static void whole_cells(struct painter *p, const struct raster *raster, struct b
 /* Lines that begin at the left edge. */
 static void once_cells(struct painter *p, const struct raster *raster, struct buf *out)
 {
-    const uint32_t columns = (raster->width + p->facts.cell_width - 1) / p->facts.cell_width;
-    const uint32_t rows = (raster->height + p->facts.cell_height - 1) / p->facts.cell_height;
+    const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
+    const uint32_t columns = (raster->width + width - 1) / width;
+    const uint32_t rows = (raster->height + height - 1) / height;
     const struct raster_box all = {0, 0, raster->width, raster->height};
     unsigned places = 0;
-    for (struct raster_box piece = {0}; next_piece(p, &all, &piece);) {
+    for (struct raster_box piece = {0};
+         painter_next_piece(&all, SIDE_MOST * width, SIDE_MOST * height, &piece);) {
         const struct raster part = raster_part(raster, piece);
-        const uint32_t left = piece.left / p->facts.cell_width;
-        const uint32_t top = piece.top / p->facts.cell_height;
+        const uint32_t left = piece.left / width, top = piece.top / height;
         send_in_cells(p, &part, number_of(p, places++), least(SIDE_MOST, columns - left),
                       least(SIDE_MOST, rows - top), out);
     }

@@ -22,6 +22,22 @@ void painter_move_to(const struct painter *p, unsigned column, unsigned row, str
     buf_printf(out, "\033[%u;%uH", p->row + row + 1, p->column + column + 1);
 }
 
+bool painter_next_piece(const struct raster_box *box, uint32_t width, uint32_t height,
+                        struct raster_box *piece)
+{
+    if (piece->width == 0)
+        piece->left = box->left, piece->top = box->top;
+    else
+        piece->left += piece->width;
+    if (piece->left >= box->left + box->width)
+        piece->left = box->left, piece->top += piece->height;
+    if (piece->top >= box->top + box->height)
+        return false;
+    piece->width = least(width, box->left + box->width - piece->left);
+    piece->height = least(height, box->top + box->height - piece->top);
+    return true;
+}
+
 void painter_place(struct painter *p, const struct terminal_facts *facts, unsigned column,
                    unsigned row, unsigned columns, unsigned rows)
 {

@@ -159,6 +159,11 @@ void painter_remove(struct painter *p, struct buf *out);
 /* For a protocol: move the cursor to a cell of the place. */
 void painter_move_to(const struct painter *p, unsigned column, unsigned row, struct buf *out);
 
+/* For a protocol: find the next of the pieces of a box, row by row, of at most `width` x `height`
+ * pixels; the first if *piece is zeroed. Return false after the last. */
+bool painter_next_piece(const struct raster_box *box, uint32_t width, uint32_t height,
+                        struct raster_box *piece);
+
 /* Release the memory; the painter is as at the start. The screen does not change. */
 void painter_release(struct painter *p);
 

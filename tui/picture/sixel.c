@@ -212,16 +212,12 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
 {
     const uint32_t width = p->facts.cell_width, height = p->facts.cell_height;
     const uint32_t across = side_most(p, width), down = side_most(p, height);
-    for (uint32_t y = 0; y < box->height; y += least(down, box->height - y))
-        for (uint32_t x = 0; x < box->width; x += least(across, box->width - x)) {
-            const struct raster_box piece = {box->left + x, box->top + y,
-                                             least(across, box->width - x),
-                                             least(down, box->height - y)};
-            const struct raster part = raster_part(raster, piece);
-            painter_move_to(p, piece.left / width, piece.top / height, out);
-            once(p, &part, out);
-            p->images++;
-        }
+    for (struct raster_box piece = {0}; painter_next_piece(box, across, down, &piece);) {
+        const struct raster part = raster_part(raster, piece);
+        painter_move_to(p, piece.left / width, piece.top / height, out);
+        once(p, &part, out);
+        p->images++;
+    }
     p->is_whole_next = p->facts.images_most && p->images > p->facts.images_most / 2;
 }
 
