@@ -5,18 +5,23 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "base/file.h"
 #include "base/mem.h"
+#include "base/scan.h"
 #include "journal/record.h"
 
-enum { COMMENTS_MAX = 1 << 20 };
+enum { COMMENTS_MAX = 1 << 20, WHO_MAX = 64 };
 
 struct journal {
     struct file_log *log; /* NULL for a journal opened read-only */
     struct buf path;      /* path of the file */
     struct buf header;    /* line 1, part of the first record's chain */
     struct buf comments;  /* whole lines, for the next record */
+    struct buf who;       /* name that signs records, or empty */
+    bool times;           /* records are signed with their times */
+    uint64_t session;     /* number of the session that signs; 0: none does */
     struct buf kept;      /* J7: the valid part; the file is longer only while it is ragged */
     enum file_sync sync;
     size_t count;
@@ -31,6 +36,7 @@ void journal_close(struct journal *journal)
     buf_release(&journal->path);
     buf_release(&journal->header);
     buf_release(&journal->comments);
+    buf_release(&journal->who);
     buf_release(&journal->kept);
     free(journal);
 }
@@ -248,16 +254,68 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *notice
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
+enum err journal_who_check(const char *who, struct fault *fault)
+{
+    const size_t length = strlen(who);
+    TRY(record_line_check("a name", who, fault));
+    return length >= 1 && length <= WHO_MAX && !strchr(who, ' ')
+               ? OK
+               : fault_set(fault, ERR_USAGE,
+                           "expected a name of 1 to %d bytes without blanks, not %.200s", WHO_MAX,
+                           who);
+}
+
+enum err journal_sign(struct journal *journal, const char *who, bool times, struct fault *fault)
+{
+    OWNED(walk_release) struct walk walk;
+    OWNED(buf_release) struct buf signature = {0};
+    struct record record;
+    struct record_word word;
+    TRY(walk_begin(&walk, buf_text(&journal->kept), journal->kept.length, fault));
+    while (walk_next(&walk, &record) == WALK_RECORD) {
+        record_comments(NULL, &signature, walk.bytes, &record);
+        const char *at =
+            record_word_find(buf_text(&signature), "session", 7, &word) ? word.value : "";
+        int64_t number;
+        if (scan_integer(&at, 1, INT32_MAX, &number) && (uint64_t)number > journal->session)
+            journal->session = (uint64_t)number;
+    }
+    journal->session++;
+    journal->times = times;
+    buf_add_text(&journal->who, who ? who : "");
+    return signature.failed || journal->who.failed ? fault_memory(fault, "a name") : OK;
+}
+
+/* The line that signs a record made now; nothing if records are not signed. */
+static void add_signature(struct buf *out, const struct journal *journal)
+{
+    const time_t now = time(NULL);
+    struct tm utc;
+    char text[32];
+    if (!journal->session)
+        return;
+    buf_add_text(out, "#@");
+    if (journal->who.length)
+        buf_printf(out, " who=%s", buf_text(&journal->who));
+    if (journal->times && gmtime_r(&now, &utc) &&
+        strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc))
+        buf_printf(out, " at=%s", text);
+    buf_printf(out, " session=%llu\n", (unsigned long long)journal->session);
+}
+
 enum err journal_append(struct journal *journal, const char *command, const char *words,
                         struct fault *fault)
 {
-    OWNED(buf_release) struct buf bytes = {0};
+    OWNED(buf_release) struct buf bytes = {0}, comments = {0};
     struct record_chain chain = journal->chain;
     const struct record record = {
         .number = journal->count + 1, .command = command, .result = words ? words : ""};
     const char *header = journal->count == 0 ? buf_text(&journal->header) : "";
-    enum err err =
-        record_encode(&bytes, &chain, header, buf_text(&journal->comments), &record, fault);
+    buf_add(&comments, journal->comments.data, journal->comments.length);
+    add_signature(&comments, journal);
+    enum err err = comments.failed
+                       ? fault_memory(fault, "a record")
+                       : record_encode(&bytes, &chain, header, buf_text(&comments), &record, fault);
     if (!err)
         err = append_bytes(journal, &bytes, words == NULL, fault);
     if (err)
@@ -378,7 +436,9 @@ enum err journal_script(struct buf *out, const char *bytes, size_t length, struc
     struct record record;
     enum err err = walk_begin(&walk, bytes, length, fault);
     while (!err && walk_next(&walk, &record) == WALK_RECORD) {
-        buf_add(out, walk.bytes + record.offset, (size_t)(record.result_offset - record.offset));
+        record_comments(out, NULL, walk.bytes, &record);
+        buf_add(out, walk.bytes + record.command_offset,
+                (size_t)(record.result_offset - record.command_offset));
         if (out->length && out->data[out->length - 1] != '\n')
             buf_add_char(out, '\n');
     }

@@ -87,6 +87,14 @@ enum err journal_catch_up(struct journal *journal, struct fault *fault);
  * follows. */
 enum err journal_comment(struct journal *journal, const char *comment, struct fault *fault);
 
+/* ERR_USAGE unless a name is 1 to 64 bytes without blanks and control characters. */
+enum err journal_who_check(const char *who, struct fault *fault);
+
+/* Sign each further record by a comment line (RECORD_SIGNATURE): with this valid name, unless it is
+ * NULL, with `times` by the UTC time to the second, and with the number of this session, which
+ * counts the sessions that signed records of the journal, from 1. Replays ignore it. */
+enum err journal_sign(struct journal *journal, const char *who, bool times, struct fault *fault);
+
 /* Continue in a new file: write the whole journal to `path`, which must not exist, and sync it;
  * append later records there. The former file keeps its last valid state. On failure the journal is
  * unchanged, and there is no new file. */

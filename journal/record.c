@@ -128,7 +128,7 @@ static bool is_sealed(const char *line, size_t length)
 }
 
 /* Reject control characters in written lines, so that a journal can be printed as it is. */
-static enum err line_check(const char *what, const char *line, struct fault *fault)
+enum err record_line_check(const char *what, const char *line, struct fault *fault)
 {
     if (strlen(line) > RECORD_LINE_MAX)
         return fault_set(fault, ERR_LIMIT, "%s is longer than %d bytes", what, RECORD_LINE_MAX);
@@ -144,7 +144,7 @@ static enum err line_check(const char *what, const char *line, struct fault *fau
 
 enum err record_command_check(const char *command, struct fault *fault)
 {
-    TRY(line_check("a command", command, fault));
+    TRY(record_line_check("a command", command, fault));
     if (*command == '\0' || strchr(" #=", *command))
         return fault_set(fault, ERR_INPUT,
                          "a command is not empty and does not begin with a blank, '#' or '=': "
@@ -158,10 +158,29 @@ enum err record_command_check(const char *command, struct fault *fault)
 
 enum err record_comment_check(const char *comment, struct fault *fault)
 {
-    TRY(line_check("a comment", comment, fault));
+    TRY(record_line_check("a comment", comment, fault));
     if (*comment && *comment != '#')
         return fault_set(fault, ERR_INPUT, "a comment begins with '#': %.200s", comment);
     return OK;
+}
+
+void record_comments(struct buf *comments, struct buf *signature, const char *bytes,
+                     const struct record *record)
+{
+    static const size_t sign = sizeof RECORD_SIGNATURE - 1;
+    const char *at = bytes + record->offset, *const end = bytes + record->command_offset;
+    while (at < end) {
+        const char *feed = memchr(at, '\n', (size_t)(end - at)), *const next =
+                                                                     feed ? feed + 1 : end;
+        const size_t length = (size_t)(next - at);
+        const bool signs = length > sign && memcmp(at, RECORD_SIGNATURE, sign) == 0;
+        if (signs && signature) {
+            buf_clear(signature); /* the last one counts */
+            buf_add(signature, at + sign, length - sign - (feed != NULL));
+        } else if (!signs && comments)
+            buf_add(comments, at, length);
+        at = next;
+    }
 }
 
 bool record_word_next(const char **cursor, const char *end, struct record_word *word)

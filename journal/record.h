@@ -70,6 +70,10 @@ enum err record_judge(const struct record *record, struct fault *fault);
 /* Write line 1 of a journal, line feed included. `semantics` is 1..999999999. */
 void record_header(struct buf *out, unsigned semantics);
 
+/* ERR_INPUT or ERR_LIMIT and words if a line, which they call `what`, is too long or has a control
+ * character. */
+enum err record_line_check(const char *what, const char *line, struct fault *fault);
+
 /* ERR_INPUT or ERR_LIMIT and words if `command` is invalid in a record: empty, too long, with a
  * blank, '#' or '=' at its beginning, a control character, or the end of a sealed result line. */
 enum err record_command_check(const char *command, struct fault *fault);
@@ -80,6 +84,15 @@ enum err record_words_check(const char *words, struct fault *fault);
 
 /* The same for one comment, a line that begins with '#' or is empty. */
 enum err record_comment_check(const char *comment, struct fault *fault);
+
+/* Begins the comment line that signs its record, a line per record: "#@ who=NAME at=TIME
+ * session=N", each word optional. */
+#define RECORD_SIGNATURE "#@ "
+
+/* Append the comment lines of a record in `bytes`, a whole journal or script, to `comments`, and
+ * the words of the line that signs it, without its beginning, to `signature`; each may be NULL. */
+void record_comments(struct buf *comments, struct buf *signature, const char *bytes,
+                     const struct record *record);
 
 /* Append a whole record to `out`; only number, command and result of `record` are used. *chain
  * is that of the record before, and becomes that of this one. `header` is line 1 with its line feed

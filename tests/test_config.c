@@ -138,9 +138,10 @@ STORY(a_bad_line_is_named_with_its_number_and_left_out)
         {"theme blue", "c:1: expected dark|light|none, not blue; left out\n"},
         {"graphics loud", "c:1: graphics: expected auto, kitty, tiles, placeholders, iterm, sixel, "
                           "blocks, sextants, quadrants, halves or none, not loud; left out\n"},
-        {"\nthem dark", "c:2: expected theme, graphics, brush, window, key, pager, ahead or start, "
-                        "not them; did you mean "
-                        "theme?; left out\n"},
+        {"\nthem dark",
+         "c:2: expected theme, graphics, brush, window, key, pager, ahead, start or who, "
+         "not them; did you mean "
+         "theme?; left out\n"},
         {"brush 256",
          "c:1: expected a label 0..255, then optionally a radius 0..32 in voxels, or in mm"},
         {"brush 1 33", "c:1: expected a label"},

@@ -162,6 +162,33 @@ expect_in again 0 "$iftty" run other --journal k.iftty
 err_has "the comments before its record 3 are others than those of the script; they stay"
 same_files again/k.iftty again/whole.iftty
 
+begin "signed records: names, times and sessions, which no script carries to another record"
+printf '# why\nopen synth:geom:20x20x20\n#@ who=else session=9\nseed 5,5,5 1\n' >"$work/signed"
+expect_in . 0 "$iftty" run signed --journal s.iftty --who jane --times
+expect_in . 0 "$iftty" run signed --journal s.iftty --who jane --times
+same "$(grep -c '^#@ who=jane at=20..-..-..T..:..:..Z session=1$' "$work/s.iftty")" 2
+err_has "nothing is left to do"
+grep "others than those" "$work/err" && fail "lines that sign count as comments"
+same "$(grep -c 'else' "$work/s.iftty")" 0
+expect_in . 0 "$iftty" -c "seed 9,9,9 2" --journal s.iftty --who bob
+expect_in . 0 "$iftty" -c "seed 9,9,8 2" --journal s.iftty
+expect_in . 0 "$iftty" log --times s.iftty
+sed 's/ 20..-..-..T..:..:..Z / TIME /' "$work/out" >"$work/times"
+same "$(cat "$work/times")" "1 TIME jane 1 open synth:geom:20x20x20 weight=morph
+2 TIME jane 1 seed 5,5,5 1
+3 - bob 2 seed 9,9,9 2
+4 - - - seed 9,9,8 2"
+expect_in . 0 "$iftty" log --script s.iftty
+same "$(head -n 2 "$work/out")" "# why
+open synth:geom:20x20x20 weight=morph"
+expect_in . 0 "$iftty" log --anonymise s.iftty
+same "$(grep -c '#\|jane' "$work/out")" 0
+expect_in . 0 "$iftty" verify s.iftty
+expect_in . 2 "$iftty" run signed --journal w.iftty --whole --who jane
+err_has "--whole makes the same journal each time, and excludes --who and --times"
+expect_in . 2 "$iftty" run signed --journal w.iftty --who "jane doe"
+err_has "--who: expected a name of 1 to 64 bytes without blanks, not jane doe"
+
 begin "lines that failed under --keep-going have no record, and fail again"
 rm -rf again/k.*
 sed '6a seed 99,99,99 1' again/script >again/other

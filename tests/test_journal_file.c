@@ -93,6 +93,38 @@ STORY(comments_become_part_of_the_next_record)
     CHECK_INT(bytes.length, behind + sizeof second - 1 + 33);
 }
 
+STORY(records_are_signed_and_sessions_counted)
+{
+    struct journal *journal;
+    OWNED(buf_release) struct buf bytes = {0}, script = {0};
+    const char *path = "signed.iftty";
+    CHECK(journal_create(&journal, path, 1, NULL) == OK);
+    CHECK(journal_append(journal, "run", "", NULL) == OK); /* not signed */
+    CHECK(journal_sign(journal, "jane", true, NULL) == OK);
+    CHECK(journal_comment(journal, "# why", NULL) == OK);
+    CHECK(journal_append(journal, "not\trecorded", "", NULL) == ERR_INPUT);
+    CHECK(journal_append(journal, "undo", "", NULL) == OK);
+    CHECK(journal_audit(journal));
+    journal_close(journal);
+    CHECK(journal_open(&journal, path, &(struct journal_resume){.semantics = 1}, NULL, NULL) == OK);
+    CHECK(journal_sign(journal, NULL, false, NULL) == OK);
+    CHECK(journal_append(journal, "redo", "", NULL) == OK);
+    journal_close(journal);
+    content(&bytes, path);
+    CHECK_HAS(bytes.data, "\n# why\n#@ who=jane at=20");
+    CHECK_HAS(bytes.data, "Z session=1\nundo\n= 2 ");
+    CHECK_HAS(bytes.data, "\n#@ session=2\nredo\n= 3 ");
+    CHECK(!strstr(strstr(bytes.data, "session=1") + 1, "session=1"));
+    CHECK(journal_script(&script, bytes.data, bytes.length, NULL) == OK);
+    CHECK_TEXT(buf_text(&script), "run\n# why\nundo\nredo\n");
+    static const char *const wrong[] = {"", "jane doe", "a\x1b", "a\nb",
+                                        "12345678901234567890123456789012345678901234567890"
+                                        "123456789012345"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        CHECK(journal_who_check(wrong[i], NULL) != OK);
+    CHECK(journal_who_check("j\xc3\xa5ne", NULL) == OK);
+}
+
 STORY(a_refused_command_changes_nothing)
 {
     struct journal *journal;

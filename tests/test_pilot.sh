@@ -446,6 +446,7 @@ key undu U
 window liver 60 160
 start overlay tint
 start overlay red
+who jane times=yes
 END
 rm -f s-*.iftty
 enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii"
@@ -457,7 +458,12 @@ typing "?" '^  P +a seed of the label'
 type_letters "q"
 types "w5" "window -20 140"
 type_letters "q"
+entering "# a comment here" 'stored with the next recorded command'
+entering "label 7 here"
 entering "quit" '^journal: '
+tail -n 4 s-1.iftty | tr '\n' '|' |
+    grep -q '^# a comment here|#@ who=jane at=20.*Z session=1|label 7 here|= ' ||
+    fail "$(tail -n 4 s-1.iftty)"
 grep -qx 'overlay tint' s-1.iftty || fail "the command is not recorded"
 enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s-1.iftty" 'records* resumed'
 entering "quit" '^journal: '

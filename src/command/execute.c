@@ -175,6 +175,8 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
     }
     if (!err)
         err = journal_set_sync(interp->journal, interp->sync, fault);
+    if (!err && (interp->who || interp->times))
+        err = journal_sign(interp->journal, interp->who, interp->times, fault);
     if (told && told->length)
         buf_add_char(told, '\n');
     if (!err && !interp->is_read_only)
@@ -340,7 +342,7 @@ enum err interpreter_execute(struct interpreter *interp, const char *line, struc
     canvas_release(&interp->shown);
     TRY(command_parse(&call, line, interp->session, fault));
     if (!call.command)
-        return OK;
+        return interpreter_comment(interp, line, reply, fault);
     bool recorded = call.command->flags & COMMAND_RECORDED;
     enum err err = interpreter_settle_name(interp, &call, fault);
     command_write(&reply->canonical, &call);

@@ -13,6 +13,7 @@
 #include "image/image_helper.h"
 #include "image/picture_writer.h"
 #include "journal/journal.h"
+#include "journal/record.h"
 
 enum err interpreter_init(struct interpreter *interp, struct fault *fault)
 {
@@ -27,6 +28,7 @@ void interpreter_release(struct interpreter *interp)
     picture_job_free(interp->job);
     picture_writer_free(interp->writer);
     journal_close(interp->journal);
+    buf_release(&interp->comments);
     image_helper_free(interp->helper);
     history_release(&interp->history);
     session_free(interp->session);
@@ -71,13 +73,51 @@ bool interpreter_is_journal(const char *path)
     return file_begins_with(path, RECORD_HEADER);
 }
 
+bool interpreter_is_comment(const char *line)
+{
+    return *line == '#' && strncmp(line, RECORD_HEADER, sizeof RECORD_HEADER - 1) != 0 &&
+           strncmp(line, RECORD_SIGNATURE, sizeof RECORD_SIGNATURE - 1) != 0;
+}
+
+enum err interpreter_comment(struct interpreter *interp, const char *line, struct reply *reply,
+                             struct fault *fault)
+{
+    struct buf *comments = &interp->comments;
+    if (interp->mode != MODE_LIVE || !interpreter_is_comment(line) ||
+        !(interp->journal || interp->new_journal))
+        return OK;
+    TRY(record_comment_check(line, fault));
+    if (interp->journal)
+        TRY(journal_comment(interp->journal, line, fault));
+    else if (comments->length + strlen(line) < RECORD_LINE_MAX)
+        buf_printf(comments, "%s\n", line);
+    else
+        return fault_set(fault, ERR_LIMIT,
+                         "the comments before the first command are limited to "
+                         "%d bytes",
+                         RECORD_LINE_MAX);
+    if (interp->has_pilot)
+        buf_add_text(&reply->text, "stored with the next recorded command\n");
+    return comments->failed ? fault_memory(fault, "a comment") : OK;
+}
+
 enum err interpreter_create_journal(struct interpreter *interp, const char *path,
                                     struct fault *fault)
 {
     TRY(interpreter_set_home(interp, path, fault));
     TRY(journal_create(&interp->journal, path, interp->session->semantics, fault));
     enum err err = journal_set_sync(interp->journal, interp->sync, fault);
-    if (err) { /* no thread is available: undo the creation */
+    if (!err && (interp->who || interp->times))
+        err = journal_sign(interp->journal, interp->who, interp->times, fault);
+    for (char *at = interp->comments.data, *end; !err && at && *at; at = end + 1) {
+        end = strchr(at, '\n');
+        *end = '\0';
+        err = journal_comment(interp->journal, at, fault);
+        *end = '\n';
+    }
+    if (!err)
+        buf_clear(&interp->comments);
+    if (err) { /* undo the creation */
         journal_close(interp->journal);
         interp->journal = NULL;
         file_discard(path);

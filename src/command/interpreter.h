@@ -66,6 +66,9 @@ struct interpreter {
 
     struct journal *journal; /* the journal that commands are appended to; NULL records nothing */
     const char *new_journal; /* path of the journal to create at the first record, or NULL */
+    struct buf comments;     /* for this record, a line each */
+    const char *who;         /* name that signs records (journal_sign), or NULL */
+    bool times;              /* records are signed with their times */
     enum file_sync sync;     /* when records are synced */
     bool is_read_only;       /* the resumed journal is not written to: J7 of journal.h */
     bool resumes_in_full;    /* resume by executing and comparing each command */
@@ -125,6 +128,14 @@ enum err interpreter_set_home(struct interpreter *interp, const char *path, stru
 
 /* True if the file at `path` begins like a journal. */
 bool interpreter_is_journal(const char *path);
+
+/* True for a comment line that a script or prompt stores with the next record: not the header of a
+ * journal, nor a line that signs another record. */
+bool interpreter_is_comment(const char *line);
+
+/* Store such a line; does nothing with others, or while no journal is written. */
+enum err interpreter_comment(struct interpreter *interp, const char *line, struct reply *reply,
+                             struct fault *fault);
 
 /* Create a journal at `path`. */
 enum err interpreter_create_journal(struct interpreter *interp, const char *path,

@@ -28,12 +28,10 @@ static bool read_line(FILE *input, struct buf *line)
     return c != EOF || line->length > 0;
 }
 
-/* True if a line is stored in the journal with the next command: a comment or a blank line, but no
- * header of a journal. */
+/* True if a line is stored in the journal with the next command. */
 static bool is_comment(const char *line)
 {
-    const bool is_header = strncmp(line, RECORD_HEADER, sizeof RECORD_HEADER - 1) == 0;
-    return (*line == '#' || *line == '\0') && !is_header;
+    return *line == '\0' || interpreter_is_comment(line);
 }
 
 bool script_opens_scene(FILE *input, bool *knows)
@@ -223,11 +221,9 @@ static enum err compare_line(struct run *run, const char *line, struct call *cal
     interp->acknowledged = 0;
     if (is_met) {
         const struct record *record = &run->record;
-        const struct buf *comments = &run->comments;
-        const size_t length = record->command_offset - record->offset;
-        if (!run->other_comment &&
-            (comments->length != length ||
-             memcmp(buf_text(comments), run->walk.bytes + record->offset, length) != 0))
+        OWNED(buf_release) struct buf comments = {0};
+        record_comments(&comments, NULL, run->walk.bytes, record);
+        if (!run->other_comment && strcmp(buf_text(&comments), buf_text(&run->comments)) != 0)
             run->other_comment = record->number;
         buf_clear(&run->comments);
         if (is_recorded) { /* including words added by the record */
@@ -353,7 +349,7 @@ static enum err run_line(struct run *run, const char *line, size_t number, bool 
         run->goes_on = true;
         report_rest(run, number);
     }
-    if (interp->journal && stays)
+    if (interp->journal && !*line)
         err = journal_comment(interp->journal, line, fault);
     if (!err)
         err = interpreter_execute(interp, line, reply, fault);

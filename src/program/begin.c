@@ -31,11 +31,19 @@ enum err begin_by_options(struct interpreter *interp, const struct options *o, s
     interp->scene_path = o->scene;
     interp->out_folder = o->out;
     interp->is_read_only = o->read_only;
+    interp->who = o->who;
+    interp->times = o->times;
     interp->has_blocks = isatty(STDOUT_FILENO) && locale_is_utf8();
     if (!err && o->out)
         err = file_make_folder(o->out, fault);
     if (!err && o->whole && (!o->journal || o->read_only))
         err = fault_set(fault, ERR_USAGE, "--whole needs --journal FILE, and excludes --read-only");
+    if (!err && o->whole && (o->who || o->times))
+        err = fault_set(fault, ERR_USAGE,
+                        "--whole makes the same journal each time, and excludes "
+                        "--who and --times");
+    if (!err && o->who)
+        err = fault_prefix(fault, journal_who_check(o->who, fault), "--who");
     buf_add_text(&path, o->journal ? o->journal : "");
     if (o->whole && o->journal && !file_exists(o->journal))
         buf_add_text(&path, JOURNAL_PART);

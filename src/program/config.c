@@ -10,6 +10,7 @@
 #include "base/safe.h"
 #include "base/scan.h"
 #include "command/near.h"
+#include "journal/journal.h"
 
 enum {
     LABEL_MOST = 255,
@@ -22,6 +23,7 @@ void config_release(struct config *config)
 {
     buf_release(&config->path);
     buf_release(&config->start);
+    buf_release(&config->who);
     buf_release(&config->words);
 }
 
@@ -166,11 +168,25 @@ static enum err take_start(struct config *config, const char *words, struct faul
     return OK;
 }
 
+static enum err take_who(struct config *config, const char *words, struct fault *fault)
+{
+    OWNED(buf_release) struct buf name = {0};
+    take_word(&words, &name);
+    TRY(journal_who_check(buf_text(&name), fault));
+    const bool times = strcmp(words, "times=yes") == 0;
+    if (*words && !times)
+        return fault_set(fault, ERR_USAGE, "expected times=yes after the name, not %s", words);
+    buf_clear(&config->who);
+    buf_add_text(&config->who, buf_text(&name));
+    config->times = times;
+    return OK;
+}
+
 /* The first words of lines, and their functions. */
-#define KINDS "theme|graphics|brush|window|key|pager|ahead|start"
+#define KINDS "theme|graphics|brush|window|key|pager|ahead|start|who"
 static enum err (*const take[])(struct config *config, const char *words, struct fault *fault) = {
-    take_theme, take_graphics, take_brush, take_window,
-    take_keys,  take_pager,    take_ahead, take_start};
+    take_theme, take_graphics, take_brush, take_window, take_keys,
+    take_pager, take_ahead,    take_start, take_who};
 
 /* ---- lines ---- */
 
@@ -182,7 +198,7 @@ static enum err take_line(struct config *config, const char *line, struct fault 
     if (kind >= 0)
         return take[kind](config, line, fault);
     fault_set(fault, ERR_USAGE,
-              "expected theme, graphics, brush, window, key, pager, ahead or start, not %s",
+              "expected theme, graphics, brush, window, key, pager, ahead, start or who, not %s",
               buf_text(&word));
     return near_append_choices(buf_text(&word), KINDS, fault);
 }

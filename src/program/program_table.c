@@ -14,7 +14,18 @@
 enum { RECORDS_MOST = 999999999 };
 
 /* Rows of the table below, grouped by the programs that have them. */
-enum { JOURNAL = 1, READ_ONLY, SCENE, OUT, REPLAY_OUT, EVIDENCE_OUT, WHOLE, KEEP_GOING };
+enum {
+    JOURNAL = 1,
+    READ_ONLY,
+    WHO,
+    TIMES,
+    SCENE,
+    OUT,
+    REPLAY_OUT,
+    EVIDENCE_OUT,
+    WHOLE,
+    KEEP_GOING
+};
 enum { GRAPHICS = KEEP_GOING + 1, SMOOTH };
 enum { PROCESSES = SMOOTH + 1, FROM, UNTIL, DIFF_UNTIL, STRICT, NO_STRICT, EXPECT };
 enum { SHARD = EXPECT + 1, FAIL_FAST, TIMINGS, REMOVE_ORPHANS, JUNIT, HTML };
@@ -24,7 +35,7 @@ enum { FROM_STEP = SLICES_SCENE + 1, UNTIL_STEP, BY, PLANT_AS, FIT, LANDMARKS_OF
 enum { APPLY_OUT = ORIENT + 1, PROCEDURE_SCENE };
 enum { LIMIT_MEMORY = PROCEDURE_SCENE + 1, LIMIT_TIME, LIMIT_OUTPUT, UNCONFINED };
 enum { COMMANDS = UNCONFINED + 1, VERSION, BISECT, ACCEPT, ONLY, SCRIPT, CHECK };
-enum { ANONYMISE = CHECK + 1, REPAIR, RESEAL, PROCEDURE };
+enum { ANONYMISE = CHECK + 1, LOG_TIMES, REPAIR, RESEAL, PROCEDURE };
 
 static enum err read_graphics(const struct option *option, const char *text, void *out,
                               struct fault *fault)
@@ -47,6 +58,9 @@ static const struct option option[] = {
                  TEXT(journal)},
     [READ_ONLY] = {"--read-only", NULL, "resume the journal without writing to it or locking it",
                    FLAG(read_only)},
+    [WHO] = {"--who", "NAME", "sign each new record with this name; makes the chain differ",
+             TEXT(who)},
+    [TIMES] = {"--times", NULL, "sign each new record with its UTC time", FLAG(times)},
     [SCENE] = {"--scene", "FILE", "open this scene instead of the one that `open` names",
                TEXT(scene)},
     [OUT] = {"--out", "DIR", "write files into this folder", TEXT(out)},
@@ -169,6 +183,7 @@ static const struct option option[] = {
     [SCRIPT] = {"--script", FORM},
     [CHECK] = {"--check", FORM},
     [ANONYMISE] = {"--anonymise", FORM},
+    [LOG_TIMES] = {"--times", FORM},
     [REPAIR] = {"--repair", FORM},
     [RESEAL] = {"--reseal", FORM},
     [PROCEDURE] = {"--procedure", "FILE", "", TEXT(procedure)},
@@ -178,7 +193,7 @@ static const struct option option[] = {
 
 enum { FILES_MOST = 1 << 20 };
 
-#define SESSION_OPTIONS JOURNAL, READ_ONLY, SCENE, OUT, GRAPHICS, SMOOTH
+#define SESSION_OPTIONS JOURNAL, READ_ONLY, WHO, TIMES, SCENE, OUT, GRAPHICS, SMOOTH
 #define LIMIT_OPTIONS   LIMIT_MEMORY, LIMIT_TIME, LIMIT_OUTPUT, UNCONFINED
 
 /* Name, form, operands, and their least and largest number. */
@@ -198,7 +213,7 @@ static const struct program program[] = {
                "differs; 2 bad usage, including that of a command; 3 bad input or I/O, including a "
                "full disk; 130 Ctrl-C.",
      .run = run_script},
-    {"serve", NULL, "[SCENE|JOURNAL]", 0, 1, .option = {JOURNAL, READ_ONLY, SCENE, OUT},
+    {"serve", NULL, "[SCENE|JOURNAL]", 0, 1, .option = {JOURNAL, READ_ONLY, WHO, TIMES, SCENE, OUT},
      .summary = "run a session for a program, in lines of JSON",
      .detail =
          "Reads requests from standard input and writes answers to standard output, one per line. "
@@ -277,6 +292,8 @@ static const struct program program[] = {
      .summary = "print its commands and comments", .run = run_log_script},
     {"log", "--anonymise", "JOURNAL", 1, 1, .option = {ANONYMISE, SCRIPT},
      .summary = "print commands; omit file names and free text", .run = run_log_anonymise},
+    {"log", "--times", "JOURNAL", 1, 1, .option = {LOG_TIMES},
+     .summary = "list records with time, name and session", .run = run_log_times},
     {"log", "--check", "JOURNAL", 1, 1, .option = {CHECK},
      .summary = "check for torn, edited or damaged records",
      .detail = "Checks the chain of the records; runs no command.", .run = run_log_check},

@@ -18,8 +18,8 @@
 
 program_run run_prompt, run_version, run_script, run_commands, run_serve, run_replay, run_tutorial,
     run_watch, run_verify, run_verify_bisect, run_reseal, run_diff, run_apply, run_log_procedure,
-    run_compare, run_log, run_log_script, run_log_check, run_log_anonymise, run_log_repair,
-    run_show, run_info, run_help;
+    run_compare, run_log, run_log_script, run_log_check, run_log_anonymise, run_log_times,
+    run_log_repair, run_show, run_info, run_help;
 
 /* Beginning and end of programs: an interpreter set up by the options, and the confinement of
  * journals that may be a stranger's. */
@@ -91,6 +91,8 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
  *     key undo U Ctrl-u
  *     # print long answers at the prompt without pages
  *     pager off
+ *     # name and time that sign new records (journal_sign)
+ *     who jane times=yes
  *     # on a slow line send no slice before it is wanted
  *     ahead off
  *     # a command for each new session, once it has a scene; `start none` for nothing
@@ -115,6 +117,8 @@ struct config {
     bool has_start;                /* there is a line `start` */
     struct buf path;
     struct buf start; /* commands, each on a line after its line number and a blank */
+    struct buf who;   /* name that signs records, or empty */
+    bool times;       /* and they have times */
     struct buf words; /* messages about ignored lines, safe to print */
     size_t line;      /* number of the current line, from 1 */
     size_t wrong;     /* lines */

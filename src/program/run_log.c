@@ -83,6 +83,37 @@ enum err run_log_anonymise(const struct options *o, struct fault *fault)
     return print_written(anonymise_script, o, fault);
 }
 
+/* List records: number, time, name and session of the line that signs it, each - if missing, and
+ * the command. */
+static enum err list_times(struct buf *out, const char *bytes, size_t length, struct fault *fault)
+{
+    static const char *const key[] = {"at", "who", "session"};
+    OWNED(walk_release) struct walk walk;
+    OWNED(buf_release) struct buf signature = {0};
+    struct record record;
+    enum err err = walk_begin(&walk, bytes, length, fault);
+    while (!err && walk_next(&walk, &record) == WALK_RECORD) {
+        buf_clear(&signature);
+        record_comments(NULL, &signature, bytes, &record);
+        buf_printf(out, "%zu", record.number);
+        for (int i = 0; i < 3; i++) {
+            struct record_word word;
+            const bool has = record_word_find(buf_text(&signature), key[i], strlen(key[i]), &word);
+            buf_add_char(out, ' ');
+            buf_add(out, has ? word.value : "-", has ? word.value_length : 1);
+        }
+        buf_printf(out, " %s\n", record.command);
+    }
+    if (!err)
+        err = walk_judge(&walk, fault);
+    return out->failed || signature.failed ? fault_memory(fault, "the records of a journal") : err;
+}
+
+enum err run_log_times(const struct options *o, struct fault *fault)
+{
+    return print_written(list_times, o, fault);
+}
+
 static enum err check_journal(struct buf *out, const char *bytes, size_t length,
                               struct fault *fault)
 {

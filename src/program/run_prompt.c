@@ -247,12 +247,12 @@ static enum err prompt_execute(void *context, const char *line, struct buf *outp
 {
     struct prompt *prompt = context;
     enum err err = OK;
-    if (prompt->is_empty) { /* a session without a command leaves no journal */
+    if (prompt->is_empty && !interpreter_is_comment(line)) { /* without a command no journal */
         const size_t before = output->length;
         err = execute_line(prompt, "auto on", output, fault);
         output->length = before;
+        prompt->is_empty = false;
     }
-    prompt->is_empty = false;
     if (!err)
         err = execute_line(prompt, line, output, fault);
     if (!err)
@@ -553,7 +553,15 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
     begin_journal_name(&journal, lesson ? "tutorial" : prompt.first);
     if (isatty(STDIN_FILENO)) /* otherwise Ctrl-C ends the program */
         console_handle_interrupts();
-    enum err err = begin_by_options(&prompt.interp, o, fault);
+    prompt.config.setup = pilot_setup_default;
+    if (is_terminal)
+        config_read(&prompt.config);
+    struct options own = *o;
+    if (!o->who && prompt.config.who.length) {
+        own.who = buf_text(&prompt.config.who);
+        own.times |= prompt.config.times;
+    }
+    enum err err = begin_by_options(&prompt.interp, &own, fault);
     begin_to_wait(&prompt.interp);
     if (!o->journal && !prompt.resumes)
         prompt.interp.new_journal = buf_text(&journal);
@@ -565,9 +573,6 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
                                       .sketch = prompt_sketch,
                                       .drop = prompt_drop};
     pilot_host_fill(&prompt.host);
-    prompt.config.setup = pilot_setup_default;
-    if (is_terminal)
-        config_read(&prompt.config);
     if (lesson)
         take_lesson(&prompt, lesson);
     if (!prompt.config.setup.theme->has_colours)

@@ -139,8 +139,6 @@ static void answer_do(struct server *s, const struct request *request)
     struct fault fault = {0};
     enum err err = exchange_allows(&s->exchange, &s->interp, line, &fault);
     reply_clear(&s->reply);
-    if (!err && *line == '#' && s->interp.journal) /* as in a script */
-        err = journal_comment(s->interp.journal, line, &fault);
     if (!err)
         err = interpreter_execute(&s->interp, line, &s->reply, &fault);
     if (err) {

@@ -33,21 +33,20 @@ static size_t points(const struct watched *w)
     return w->interp->session->has_scene ? w->interp->history.points : 0;
 }
 
-/* Collect the comments of a record: lines before its command, which may be any bytes. */
+/* Collect the comments of a record, which may be any bytes. */
 static void gather_comments(struct buf *comments, const char *bytes, const struct record *record)
 {
-    const char *at = bytes + record->offset, *end = bytes + record->command_offset;
-    while (at < end) {
-        const char *feed = memchr(at, '\n', (size_t)(end - at));
-        const char *stop = feed ? feed : end;
-        at += at < stop && *at == '#';
-        at += at < stop && *at == ' ';
-        if (at < stop) {
-            buf_add(comments, at, (size_t)(stop - at));
+    OWNED(buf_release) struct buf lines = {0};
+    record_comments(&lines, NULL, bytes, record);
+    for (const char *at = buf_text(&lines); *at;) {
+        const size_t length = strcspn(at, "\n"), blank = strncmp(at, "# ", 2) == 0 ? 2 : *at == '#';
+        if (length > blank) {
+            buf_add(comments, at + blank, length - blank);
             buf_add_char(comments, '\n');
         }
-        at = stop + 1;
+        at += length + (at[length] == '\n');
     }
+    comments->failed |= lines.failed;
 }
 
 /* Add a step if the record has led to a new point; `comments` are those since the last step. */
