@@ -188,8 +188,8 @@ TERMINAL_PACKAGES := xvfb xterm xfonts-base kitty libgl1-mesa-dri mlterm fonts-d
 .PHONY: all install uninstall deb static oci tests test test-long test-stress soak test-bare \
         test-static test-alike test-release lint-deb test-deb test-oci test-reproducible \
         check-format format analyse \
-        variants test-matrix test-matrix-short test-terminals test-cohort fuzz fuzzer demo \
-        bench-peers bench-chafa bench-brain bench-terminal bench-paper bench-growth \
+        variants test-matrix test-matrix-short test-terminals test-cohort test-report fuzz fuzzer \
+        demo bench-peers bench-chafa bench-brain bench-terminal bench-paper bench-growth \
         bench-render bench-frames bench-journal bench-keys bench-looks bench-effort bench-register \
         bench-series bench-files bench-beside bench-apply bench-surface remake-examples help \
         clean packages
@@ -231,6 +231,10 @@ test-terminals: all $(STAGED) build/.packages-terminals
 ##     minutes
 test-cohort: all build/.packages-cohort
 	@LIMIT=900 tests/run.sh $(BUILD) cohort.sh
+
+## test-report: draw a page of `iftty report` in a browser, into build/report
+test-report: all build/.packages-report
+	@tests/run.sh $(BUILD) report.sh
 
 ## fuzz: run libFuzzer on the readers; FUZZ_SECONDS=60 each; FUZZ=journal: one of them
 fuzz: build/.packages-matrix
@@ -498,6 +502,10 @@ build/.packages-beside: Makefile | $(PACKAGES_STAMP)
 
 build/.packages-cohort: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(COHORT_PACKAGES) $(SCENES) --
+	@touch $@
+
+build/.packages-report: Makefile | $(PACKAGES_STAMP)
+	@.ci/packages chromium python3-pil --
 	@touch $@
 
 build/.packages-heads: Makefile | $(PACKAGES_STAMP)

@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include "verify/replay_file.h"
+#include "verify/verify.h"
 #include "verify/verify_inside.h"
 #include "image/png.h"
 #include "journal/record.h"

@@ -72,13 +72,14 @@ struct options {
     const struct program *program;
     char **word; /* operands, without the program's name and form */
     int words;
-    const char *commands, *journal, *scene, *out, *who;
+    const char *commands, *journal, *scene, *out, *who, *page, *compare;
     const char *accept, *only, *picture, *surface, *shard;
     const char *volume, *regions, *as, *by, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
     size_t from, until;            /* 0: not given */
     struct graphics_wish graphics; /* {0}: chosen by the terminal */
-    bool help, read_only, times, whole, keep_going, smooth, json, histogram, csv, binary, resample;
+    bool help, read_only, times, steps, whole, keep_going, smooth, json, histogram, csv, binary,
+        resample;
     bool no_strict, unconfined;
     bool is_form;                 /* set by options that only select a form */
     struct verify_options verify; /* those of `verify` alone; its function sets the rest */

@@ -35,7 +35,7 @@ enum { FROM_STEP = SLICES_SCENE + 1, UNTIL_STEP, BY, PLANT_AS, FIT, LANDMARKS_OF
 enum { APPLY_OUT = ORIENT + 1, PROCEDURE_SCENE };
 enum { LIMIT_MEMORY = PROCEDURE_SCENE + 1, LIMIT_TIME, LIMIT_OUTPUT, UNCONFINED };
 enum { COMMANDS = UNCONFINED + 1, VERSION, BISECT, ACCEPT, ONLY, SCRIPT, CHECK };
-enum { ANONYMISE = CHECK + 1, LOG_TIMES, REPAIR, RESEAL, PROCEDURE };
+enum { ANONYMISE = CHECK + 1, PAGE, COMPARE_WITH, STEPS, LOG_TIMES, REPAIR, RESEAL, PROCEDURE };
 
 static enum err read_graphics(const struct option *option, const char *text, void *out,
                               struct fault *fault)
@@ -183,6 +183,11 @@ static const struct option option[] = {
     [SCRIPT] = {"--script", FORM},
     [CHECK] = {"--check", FORM},
     [ANONYMISE] = {"--anonymise", FORM},
+    [PAGE] = {"-o", "FILE.html", "write the page to this file, which must not exist", TEXT(page)},
+    [COMPARE_WITH] = {"--compare", "MAP",
+                      "compare the final labels with this label map, below the journal's folder",
+                      TEXT(compare)},
+    [STEPS] = {"--steps", NULL, "add a picture of each step, with its comments", FLAG(steps)},
     [LOG_TIMES] = {"--times", FORM},
     [REPAIR] = {"--repair", FORM},
     [RESEAL] = {"--reseal", FORM},
@@ -310,6 +315,13 @@ static const struct program program[] = {
      .detail = "With --accept WHY, also redraws golden images, as `verify --accept` does; "
                "otherwise fails if one differs. Keeps the former journal as JOURNAL.before-N.",
      .run = run_reseal},
+    {"report", NULL, "JOURNAL", 1, 1, .option = {PAGE, STEPS, COMPARE_WITH, SCENE, LIMIT_OPTIONS},
+     .summary = "write a page about a journal: labels, pictures, chain",
+     .detail = "Replays the journal under the restrictions of `replay`, and writes one HTML file "
+               "that needs no other: whether the journal is verified, its last chain, volumes of "
+               "labels, slices through each of them, golden images. Equal journals have equal "
+               "pages. Exit status 1: the journal is not verified, and the page says why.",
+     .run = run_report},
     {"show", NULL, "PICTURE", 1, 1, .option = {GRAPHICS, SMOOTH},
      .summary = "show a picture inline, if the terminal can",
      .detail = "Prints nothing if standard output is not a terminal.", .run = run_show},

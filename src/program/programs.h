@@ -19,7 +19,7 @@
 program_run run_prompt, run_version, run_script, run_commands, run_serve, run_replay, run_tutorial,
     run_watch, run_verify, run_verify_bisect, run_reseal, run_diff, run_apply, run_log_procedure,
     run_compare, run_log, run_log_script, run_log_check, run_log_anonymise, run_log_times,
-    run_log_repair, run_show, run_info, run_help;
+    run_log_repair, run_report, run_show, run_info, run_help;
 
 /* Beginning and end of programs: an interpreter set up by the options, and the confinement of
  * journals that may be a stranger's. */

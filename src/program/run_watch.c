@@ -90,7 +90,7 @@ static enum err carry_out_all(struct watched *w, struct replay *replay, const ch
 enum err watched_begin(struct watched *w, struct interpreter *interp, const char *path,
                        struct fault *fault)
 {
-    struct replaying replaying = {.interp = interp};
+    struct replaying replaying = {.interp = interp, .judge = interp->judge};
     const struct replay_host host = replay_file_host(&replaying);
     const struct replay_options options = {0};
     struct replay replay;

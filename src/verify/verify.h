@@ -110,4 +110,17 @@ struct diff_options {
 enum err diff_journals(const struct diff_options *options, const struct printer *printer,
                        struct fault *fault);
 
+/* ---- pages: one HTML file, without scripts, whose policy lets a browser fetch nothing ---- */
+
+/* Add text between tags or in a quoted attribute: the only way by which untrusted bytes reach a
+ * report. Bytes that are not printable UTF-8 become \xNN, as on a terminal (base/safe.h), so that
+ * the rest is valid XML; then & < > " ' become entities. A line feed is kept. */
+void markup_add(struct buf *out, const char *text);
+
+void page_begin(struct buf *out, const char *title);
+void page_end(struct buf *out);
+
+/* Add a figure with its caption; `png` is the file's bytes. */
+void page_add_picture(struct buf *out, const char *caption, const struct buf *png);
+
 #endif

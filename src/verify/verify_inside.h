@@ -112,11 +112,6 @@ struct verify_sum verify_sum(const struct verify_result *result, size_t count);
  * failure side by side. It has no script, and its policy lets a browser fetch nothing.
  */
 
-/* Add text between tags or in a quoted attribute: the only way by which untrusted bytes reach a
- * report. Bytes that are not printable UTF-8 become \xNN, as on a terminal (base/safe.h), so that
- * the rest is valid XML; then & < > " ' become entities. A line feed is kept. */
-void markup_add(struct buf *out, const char *text);
-
 enum verify_form { VERIFY_JUNIT, VERIFY_HTML, VERIFY_JSON };
 
 /* Write the report on `count` journals as text. */

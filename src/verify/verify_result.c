@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "verify/verify.h"
 #include "verify/verify_inside.h"
 
 #include <inttypes.h>
@@ -223,21 +224,49 @@ static const char page_head[] =
     "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
     "img-src data:; style-src 'unsafe-inline'\">\n"
     "<meta name=\"viewport\" content=\"width=device-width\">\n"
-    "<title>iftty verify</title>\n"
     "<style>\n"
+    ":root { color-scheme: light dark; --ink: #222; --paper: #fff; --rule: #ccc; --box: #f4f4f4;\n"
+    "        --good: #00613c; --bad: #a30000; --dim: #666 }\n"
+    "@media (prefers-color-scheme: dark) { :root { --ink: #ddd; --paper: #181818; --rule: #444;\n"
+    "        --box: #252525; --good: #4ecb8d; --bad: #ff8a80; --dim: #999 } }\n"
     "body { font: 15px/1.5 sans-serif; margin: 2em auto; max-width: 90em; padding: 0 1em;\n"
-    "       color: #222; background: #fff; overflow-wrap: anywhere }\n"
+    "       color: var(--ink); background: var(--paper); overflow-wrap: anywhere }\n"
     ".table { overflow-x: auto } table { border-collapse: collapse; overflow-wrap: normal }\n"
-    "th, td { border-bottom: 1px solid #ccc; padding: .2em .8em; text-align: left;\n"
-    "         vertical-align: baseline }\n"
+    "th, td { border-bottom: 1px solid var(--rule); padding: .2em .8em; text-align: left;\n"
+    "         vertical-align: baseline; white-space: nowrap }\n"
     ".n { text-align: right; font-variant-numeric: tabular-nums }\n"
-    ".fine, .verified { color: #00613c } .failed { color: #a30000 } .skipped { color: #666 }\n"
-    "pre { background: #f4f4f4; padding: .8em; white-space: pre-wrap }\n"
+    ".fine, .verified { color: var(--good) } .failed { color: var(--bad) }\n"
+    ".skipped { color: var(--dim) } .swatch { display: inline-block; width: 1em; height: 1em }\n"
+    "pre { background: var(--box); padding: .8em; white-space: pre-wrap }\n"
     ".pictures { display: flex; flex-wrap: wrap; gap: 1em }\n"
     "figure { margin: 0 } img { background: #000; max-width: 100%; image-rendering: pixelated }\n"
+    "@media (max-width: 60em) { img { image-rendering: auto } }\n"
+    "figure, tr { break-inside: avoid } figcaption { white-space: pre-line; max-width: 42em }\n"
     "</style>\n"
-    "</head>\n"
-    "<body>\n";
+    "<title>";
+
+void page_begin(struct buf *out, const char *title)
+{
+    buf_add_text(out, page_head);
+    markup_add(out, title);
+    buf_add_text(out, "</title>\n</head>\n<body>\n");
+}
+
+void page_end(struct buf *out)
+{
+    buf_add_text(out, "</body>\n</html>\n");
+}
+
+void page_add_picture(struct buf *out, const char *caption, const struct buf *png)
+{
+    buf_add_text(out, "<figure><img alt=\"");
+    markup_add(out, caption);
+    buf_add_text(out, "\" src=\"data:image/png;base64,");
+    buf_add_base64(out, buf_text(png), png->length);
+    buf_add_text(out, "\"><figcaption>");
+    markup_add(out, caption);
+    buf_add_text(out, "</figcaption></figure>\n");
+}
 
 static void add_row(struct buf *out, size_t number, const struct verify_result *r)
 {
@@ -260,16 +289,8 @@ static void add_pictures(struct buf *out, const struct evidence *evidence)
 {
     if (evidence->pictures)
         buf_add_text(out, "<div class=\"pictures\">\n");
-    for (size_t i = 0; i < evidence->pictures; i++) {
-        const struct buf *caption = &evidence->picture[i].caption, *png = &evidence->picture[i].png;
-        buf_add_text(out, "<figure><img alt=\"");
-        markup_add(out, buf_text(caption));
-        buf_add_text(out, "\" src=\"data:image/png;base64,");
-        buf_add_base64(out, buf_text(png), png->length);
-        buf_add_text(out, "\"><figcaption>");
-        markup_add(out, buf_text(caption));
-        buf_add_text(out, "</figcaption></figure>\n");
-    }
+    for (size_t i = 0; i < evidence->pictures; i++)
+        page_add_picture(out, buf_text(&evidence->picture[i].caption), &evidence->picture[i].png);
     if (evidence->pictures)
         buf_add_text(out, "</div>\n");
 }
@@ -290,7 +311,7 @@ static void add_failure(struct buf *out, size_t number, const struct verify_resu
 static void add_page(struct buf *out, const struct verify_result *result, size_t count)
 {
     const struct verify_sum sum = verify_sum(result, count);
-    buf_add_text(out, page_head);
+    page_begin(out, "iftty verify");
     buf_printf(out, "<h1>%zu verified, <span class=\"%s\">%zu failed</span>", sum.verified,
                sum.failed ? "failed" : "fine", sum.failed);
     if (sum.skipped)
@@ -316,7 +337,7 @@ static void add_page(struct buf *out, const struct verify_result *result, size_t
         markup_add(out, buf_text(&result[i].slowest));
         buf_add_text(out, "</pre>\n");
     }
-    buf_add_text(out, "</body>\n</html>\n");
+    page_end(out);
 }
 
 /* ---- JSON ---- */
