@@ -1244,7 +1244,9 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
         "fill 2,2,6 4 to=6,2,6 to=6,6,6 within=0; between 4 over=0-6; "
         "labels @/regions.nii erode=1 > "
         "door.golden/labels-adf152d6330b2c5f3d6197c6a06ac573.nii.gz; orient sform; landmark AC "
-        "3,4,5; landmark PC 3,2,5; landmark AC none; origin 74120d6c3f0cc54e2237dc0bced98ab5 "
+        "3,4,5; landmark PC 3,2,5; landmark AC none; weight morph; channel @/regions.nii "
+        "percent=200; ~show-channel 2; channel 2 remove=yes; origin "
+        "74120d6c3f0cc54e2237dc0bced98ab5 "
         "volumes=1:900";
     OWNED(interpreter_release) struct interpreter interp;
     struct snapshot end, again;

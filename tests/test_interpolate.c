@@ -198,7 +198,8 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
         CHECK(session_set_mask(session, mask, "mask.nii", (const uint32_t[]){1, 1}, NULL, NULL) ==
               OK);
         CHECK(session_interpolate(session, 1, &fault) == ERR_USAGE);
-        CHECK_HAS(fault.text, "a mask or weights from a file belong to the present grid");
+        CHECK_HAS(fault.text,
+                  "a mask, a channel or weights from a file belong to the present grid");
     }
     free(mask);
     session_free(session);
@@ -208,7 +209,7 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     if (CHECK(weight != NULL))
         CHECK(session_set_weight_map(session, "weight.nii", weight, NULL) == OK);
     CHECK(session_interpolate(session, 1, &fault) == ERR_USAGE);
-    CHECK_HAS(fault.text, "a mask or weights from a file belong to the present grid");
+    CHECK_HAS(fault.text, "a mask, a channel or weights from a file belong to the present grid");
     session_free(session);
 }
 

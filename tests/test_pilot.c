@@ -980,7 +980,7 @@ STORY(what_is_no_command)
         const char *keys;
         enum pilot_request request;
     } rows[] = {{":|", PILOT_PROMPT},        {"q", PILOT_LEAVE},     {"<Ctrl-l>", PILOT_REDRAW},
-                {"<Ctrl-z>", PILOT_SUSPEND}, {"?", PILOT_SHOW_KEYS}, {"Y||*? shows the keys", 0}};
+                {"<Ctrl-z>", PILOT_SUSPEND}, {"?", PILOT_SHOW_KEYS}, {"Q||*? shows the keys", 0}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         KEYS(rows[i].keys);
         CHECK_INT(request, rows[i].request);
@@ -1168,13 +1168,14 @@ STORY(the_page_of_keys_fits_any_window_and_is_filtered)
         for (const char *at = buf_text(&wrapped); *at; at += strcspn(at, "\n") + 1)
             CHECK(cells_width(at, strcspn(at, "\r\n")) <= columns);
     }
-    CHECK_TEXT(page_with("CONT", false),
+    CHECK_TEXT(page_with("GREYS", false),
                "Display\n"
-               "  o                overlay               contour; finish; greys\n"
-               "  y                finished              contour; finish; greys\n"
-               "  w                window                contour; finish; greys\n");
+               "  o                overlay               labels; greys; channel\n"
+               "  y                finished              labels; greys; channel\n"
+               "  w                window                labels; greys; channel\n"
+               "  Y                next-channel          labels; greys; channel\n");
     CHECK_HAS(page_with("undo", false), "\n  u                undo  ");
-    CHECK(!strstr(page_with("undo", false), "contour"));
+    CHECK(!strstr(page_with("undo", false), "greys"));
     CHECK_TEXT(page_with("xyzzy", false), "no key matches xyzzy\n");
 }
 

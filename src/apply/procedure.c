@@ -249,6 +249,10 @@ static enum err take_all(struct procedure *p, const struct noting *noting,
                          "`orient` and `open ... spacing=` to a journal of that scene",
                          geometry->spacing_unknown ? "how far apart voxels are"
                                                    : "to which sides of the patient its axes run");
+    if (kept_channels(&session->now.kept))
+        return fault_set(fault, ERR_INPUT,
+                         "its scene has several channels, which are not transferred; remove them "
+                         "(`channel 2 remove=yes`)");
     p->has_place = geometry_has_place(geometry);
     memcpy(p->to_mm.m, geometry->to_mm, sizeof p->to_mm.m);
     memcpy(p->size, session->scene->grid.size, sizeof p->size);

@@ -283,6 +283,27 @@ static void write_canonical(const struct act *act, bool has_weight)
     }
 }
 
+/* Name the next file of a case whose channels have files of their own, CASE_0000.nii.gz and so on,
+ * if there is one. */
+static void offer_channel(const struct act *act, const char *path, const char *name)
+{
+    const char *found = strstr(file_name(path), "_0000.");
+    struct buf *next = act_buf(act);
+    if (!found || act->interp->mode != MODE_LIVE)
+        return;
+    buf_add_text(next, path);
+    next->data[found - path + 4] = '1';
+    if (next->failed || !file_exists(buf_text(next)))
+        return;
+    buf_add_safe_text(&act->reply->text, file_name(buf_text(next)));
+    buf_add_text(&act->reply->text, " may be a further channel: `channel ");
+    buf_clear(next);
+    buf_add_text(next, name);
+    next->data[strlen(name) - strlen(found) + 4] = '1';
+    buf_add_safe_text(&act->reply->text, buf_text(next));
+    buf_add_text(&act->reply->text, "`\n");
+}
+
 enum err act_open(const struct act *act)
 {
     struct buf *path = act_buf(act);
@@ -311,6 +332,8 @@ enum err act_open(const struct act *act)
     write_canonical(act, has_weight);
     write_scene(act);
     write_orientation(act);
+    if (!by_proof)
+        offer_channel(act, buf_text(path), name);
     /* For inexact intensities: the ends of the scale, the number of voxels beyond each, and a
      * digest of the file's values. */
     const struct levels *levels = session->levels;

@@ -68,10 +68,120 @@ static enum err take_argument(struct weight_choice *choice, const struct act *ac
     return OK;
 }
 
+static enum err check_channels(const struct act *act, enum weight_kind kind)
+{
+    const bool fits = kind != WEIGHT_FILE && weight_arcs(kind) == ARC_TARGET;
+    return fits || !kept_channels(&act->next->kept)
+               ? OK
+               : fault_set(act->fault, ERR_USAGE,
+                           "several channels need gradients as weights: `weight morph`, sobel or "
+                           "gauss; nothing has changed");
+}
+
+/* Read the file of a further channel, and add its digest. */
+static enum err read_channel(struct channel_values **values, const struct act *act)
+{
+    struct session *session = act->session;
+    const struct map_place place = act_map_place(act);
+    OWNED(volume_release) struct volume volume = {0};
+    struct buf *path = act_buf(act);
+    TRY(interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault));
+    TRY(map_read(&volume, buf_text(path), &place, session->watch, act->fault));
+    TRY(channel_values_new(values, session, &volume, act->fault));
+    act_add_digest(act, "channel", channel_values_digest(*values));
+    buf_add_text(&act->reply->text, volume.notes);
+    return OK;
+}
+
+/* Show another channel, with its own window. */
+static void show_channel(struct slice_settings *s, unsigned was, unsigned channel)
+{
+    s->other_has_window[was] = s->has_window;
+    memcpy(s->other_window[was], s->window, sizeof s->window);
+    s->has_window = s->other_has_window[channel];
+    memcpy(s->window, s->other_window[channel], sizeof s->window);
+    s->channel = channel;
+}
+
+/* Refuse the number of a channel that does not exist. */
+static enum err check_channel(const struct act *act, unsigned channel)
+{
+    const unsigned count = kept_channels(&act->next->kept) + 1;
+    return channel < count
+               ? OK
+               : fault_set(act->fault, ERR_USAGE,
+                           "there is no channel %u: the scene has %u; nothing has changed",
+                           channel + 1, count);
+}
+
+enum err act_show_channel(const struct act *act)
+{
+    const struct kept *kept = &act->next->kept;
+    const unsigned was = session_shown_channel(act->session), count = kept_channels(kept) + 1;
+    const unsigned number = (unsigned)act_number(act, "N");
+    const unsigned channel = number == CHANNELS_MOST + 1 ? (was + 1) % count : number;
+    if (count == 1)
+        return fault_set(act->fault, ERR_USAGE,
+                         "the scene has one channel; `channel FILE` adds another");
+    TRY(check_channel(act, channel));
+    if (kept->has_range && channel)
+        return fault_set(act->fault, ERR_USAGE,
+                         "a `range` of the first channel restricts trees; `range none` removes it; "
+                         "nothing has changed");
+    show_channel(&act->next->outlook.slices, was, channel);
+    TRY(act_go(act));
+    channel_write(&act->reply->text, act->session);
+    buf_add_text(&act->reply->text, " is shown\n");
+    return OK;
+}
+
+enum err act_channel(const struct act *act)
+{
+    struct kept *kept = &act->next->kept;
+    const unsigned count = kept_channels(kept), was = session_shown_channel(act->session);
+    const int64_t number = act_number(act, "FILE");
+    const unsigned channel = number < 0 ? count + 1 : (unsigned)number;
+    const char *const of_file = number < 0 ? NULL : call_given(act->call, "resample|volume|data");
+    OWNED(channel_values_release) struct channel_values *values = NULL;
+    struct kept_channel *of = channel ? kept->channel + channel - 1 : NULL;
+    if (of_file)
+        return fault_set(act->fault, ERR_USAGE, "%s: only a file has one; nothing has changed",
+                         of_file);
+    if (number < 0 && count == CHANNELS_MOST)
+        return fault_set(act->fault, ERR_LIMIT, "a scene has at most %d channels",
+                         CHANNELS_MOST + 1);
+    if (number < 0) {
+        TRY(read_channel(&values, act));
+        *of = (struct kept_channel){.values = values, .percent = 100};
+    }
+    TRY(check_channel(act, channel));
+    TRY(check_channels(act, kept->weight.kind));
+    if (act_has(act, "percent"))
+        *(of ? &of->percent : &kept->percent) = (uint64_t)act_number(act, "percent");
+    if (act_has(act, "name") && !of)
+        return fault_set(act->fault, ERR_USAGE, "name: the first channel is the scene itself");
+    if (act_has(act, "name")) {
+        memset(of->name, 0, sizeof of->name);
+        memcpy(of->name, act_text(act, "name"),
+               strnlen(act_text(act, "name"), sizeof of->name - 1));
+    }
+    if (act_is_yes(act, "remove")) {
+        if (!of)
+            return fault_set(act->fault, ERR_USAGE,
+                             "the first channel cannot be removed; nothing has changed");
+        show_channel(&act->next->outlook.slices, was, 0);
+        memmove(of, of + 1, (size_t)(kept->channel + CHANNELS_MOST - of - 1) * sizeof *of);
+        kept->channel[CHANNELS_MOST - 1] = (struct kept_channel){.values = NULL};
+        memset(act->next->outlook.slices.other_has_window + 1, 0, CHANNELS_MOST * sizeof(uint32_t));
+    }
+    return add_weights(act, act_go(act));
+}
+
 enum err act_weight(const struct act *act)
 {
     const bool is_file = act_number(act, "FILE") < 0;
     struct kept *kept = &act->next->kept;
+    TRY(check_channels(act, is_file ? WEIGHT_FILE : (enum weight_kind)act_number(act, "FILE")));
     kept->weight = (struct weight_choice){
         is_file ? WEIGHT_FILE : (enum weight_kind)act_number(act, "FILE"), 0};
     TRY(take_argument(&kept->weight, act));

@@ -118,6 +118,11 @@ void act_write_voxel(struct buf *out, const struct session *session, uint32_t at
     if (geometry_has_place(&session->geometry))
         buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     buf_add_text(out, ": intensity ");
+    if (kept_channels(&session->now.kept)) {
+        buf_add_text(out, "in ");
+        channel_write(out, session);
+        buf_add_text(out, ": ");
+    }
     levels_write(out, &session->geometry, session->levels, cell->intensity);
     buf_add_text(out, ", ");
     write_voxel_weight(out, session, cell);
@@ -424,6 +429,14 @@ static void write_scene(struct buf *out, const struct session *session)
     act_write_axes(out, geometry);
     buf_printf(out, ", digest %016llx\n", (unsigned long long)session->scene_digest);
     write_part(out, &session->part);
+    const struct kept *kept = &session->now.kept;
+    for (unsigned i = 0; i < kept_channels(kept); i++) {
+        buf_printf(out, "channel   %u ", i + 2);
+        buf_add_safe_text(out, kept->channel[i].name);
+        buf_printf(out, "%sdigest %016llx, %u %%\n", *kept->channel[i].name ? ", " : "",
+                   (unsigned long long)channel_values_digest(kept->channel[i].values),
+                   (unsigned)kept->channel[i].percent);
+    }
     buf_printf(out, "values    %g * intensity %+.*g\n", geometry->slope, geometry_digits(geometry),
                geometry->intercept);
     levels_write_scale(out, session->levels, "          ");

@@ -221,6 +221,21 @@ static const struct command command_table[] = {
      "set arc weights, the costs of steps between voxels",
      WEIGHT_DETAIL,
      "weight gauss 1.5"},
+    {COMMAND("channel", act_channel, GROUP_WEIGHT, R | S | E | C),
+     {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "1|2|3|4|5|6|7|8"),
+      KEYED("percent", VALUE_NUMBER, .most = PERCENT_MOST),
+      KEYED("name", VALUE_WORD, .is_kept = true, .form = "NAME"), YES_NO("remove"), OF_MAP},
+     "add a channel: further intensities of each voxel",
+     "FILE is a volume on the scene's grid, such as another sequence or phase of the same patient. "
+     "The scene itself is channel 1, and files become channels 2, 3 and so on. The weight of a "
+     "voxel is then the greatest of its weights in all channels, and `finish relax` moves borders "
+     "to the strongest edge. With the number of a channel instead of FILE, its settings change.\n"
+     "percent: scale the weights of the channel, 0..1000; the default is 100. A channel of 0 is "
+     "only shown.\n"
+     "name: a name for the channel.\n"
+     "remove=yes: remove the channel; later ones move up.\n"
+     "`show-channel` shows a channel in slices. Weights must be gradients." MAP_NOTE,
+     "channel flair.nii.gz name=FLAIR"},
     {COMMAND("polarity", act_polarity, GROUP_WEIGHT, R | S | E | C),
      {NEED("LABEL", VALUE_LABEL, .most = 255),
       NEED("PERCENT", VALUE_NUMBER, .least = -POLARITY_MOST, .most = POLARITY_MOST)},
@@ -597,6 +612,12 @@ static const struct command command_table[] = {
      "move the cross-hair to a place of `hints`",
      "N is a number in the list of `hints`. The record contains the resulting `cross`.",
      "hint 1"},
+    {COMMAND("show-channel", act_show_channel, GROUP_SLICES, R | S),
+     {NEED("N", VALUE_CHOICE, .choices = "1|2|3|4|5|6|7|8|next")},
+     "show another channel in slices",
+     "Also applies to intensities in answers, in `stats` and in `range=` of commands that plant. "
+     "Each channel has its own window. `next` shows the next one, after the last the first.",
+     "show-channel 2"},
     {CALLED("window", "contrast|brightness|level", act_window, GROUP_SLICES, R | S),
      {NEED("LOW", VALUE_REAL, .choices = "auto"), PAIRED("HIGH", VALUE_REAL)},
      "set the intensities of black and white in slices",

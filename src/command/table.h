@@ -31,8 +31,9 @@ act_function act_labels, act_remove, act_run;
 /* act_history.c */
 act_function act_undo, act_redo, act_goto, act_branch, act_history, act_journal, act_sync;
 /* act_view.c; act_set executes all settings (session/setting.h) */
-act_function act_weight, act_polarity, act_mask, act_range, act_view, act_turn, act_zoom, act_pan,
-    act_focus, act_hide, act_show, act_opacity, act_clip, act_plane, act_cut, act_set;
+act_function act_weight, act_channel, act_show_channel, act_polarity, act_mask, act_range, act_view,
+    act_turn, act_zoom, act_pan, act_focus, act_hide, act_show, act_opacity, act_clip, act_plane,
+    act_cut, act_set;
 /* act_picture.c */
 act_function act_render, act_spin, act_cross, act_window, act_magnify, act_slice, act_mosaic;
 /* act_save.c */

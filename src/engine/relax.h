@@ -46,7 +46,8 @@ struct relax_field {
     unsigned
         worker; /* number of the team's first thread; not 0 if fields are computed in parallel */
     bool shows; /* show the result between sweeps, if the watch wants to */
-    uint32_t scale;  /* 2^16 greys for a difference of one intensity */
+    uint32_t scale[CHANNELS_MOST + 1]; /* 2^16 greys for a difference of one intensity, in the cells
+                                          and in each further channel */
     uint32_t reach;  /* steps from the border to the last voxels that move, 1..FINISH_BAND_MOST */
     uint32_t halves; /* half-sweeps */
     size_t room;     /* bytes for `store`; 0: none is made */
@@ -78,7 +79,7 @@ struct relax_field {
 struct relax_stored {
     size_t bytes;
     struct finish_box box;
-    uint32_t scale;
+    uint32_t scale[CHANNELS_MOST + 1];
     bool is_updatable;        /* all checkpoints and the band are stored */
     uint32_t checkpoints;     /* the last is the end */
     uint32_t count, capacity; /* stored chunks, and the most there can be */
@@ -167,8 +168,9 @@ void relax_kept_release(struct relax_kept *kept);
  * RELAX_ONE - u; 1536/1024 is over-relaxation by 24/16. c(n) is the conductance of a difference of
  * intensities, from 65536 for none down to 1, by the number of greys in it: 255 greys are the range
  * from the 2nd to the 98th percentile of the intensities in the band, so edges are those of this
- * label, independent of the rest of the scene. Outside the scene and outside the region of interest
- * it is 0.
+ * label, independent of the rest of the scene. Of several channels the greatest difference counts,
+ * each in greys of its own range, times its percentage. Outside the scene and outside the region of
+ * interest it is 0.
  *
  * Voxels of one parity have neighbours of the other parity only: so within a half-sweep nothing
  * depends on order, and any number of threads and any width of vectors compute the same bits.

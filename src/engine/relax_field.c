@@ -281,8 +281,15 @@ enum { CONDUCTANCES = sizeof conductances / sizeof conductances[0] };
 
 static uint32_t conductance(const struct relax_field *f, const struct cell *a, const struct cell *b)
 {
+    const struct scene *scene = f->scene;
     const uint32_t difference = (uint32_t)abs(a->intensity - b->intensity);
-    const uint64_t grey = ((uint64_t)difference * f->scale + (1 << 15)) >> 16;
+    uint64_t grey = ((uint64_t)difference * f->scale[0] + (1 << 15)) >> 16;
+    for (unsigned i = 0; i < scene->channels; i++) {
+        const uint16_t *is = scene->channel[i].intensity;
+        const uint32_t other = (uint32_t)abs(is[a - scene->cell] - is[b - scene->cell]);
+        const uint64_t greys = ((uint64_t)other * f->scale[1 + i] + (1 << 15)) >> 16;
+        grey = greys > grey ? greys : grey;
+    }
     return grey < CONDUCTANCES ? conductances[grey] : 1;
 }
 
@@ -594,10 +601,10 @@ static struct relax_stored *store_new(const struct relax_field *f, bool all, siz
         return NULL;
     *s = (struct relax_stored){.bytes = bytes,
                                .box = f->box,
-                               .scale = f->scale,
                                .checkpoints = checkpoints,
                                .is_updatable = all,
                                .capacity = (uint32_t)capacity};
+    memcpy(s->scale, f->scale, sizeof s->scale);
     s->band = (uint64_t *)(s + 1);
     s->slot = (uint32_t *)(s->band + band / sizeof *s->band);
     s->value = (int32_t(*)[RELAX_CHUNK])(s->slot + rows * chunks);
@@ -655,10 +662,14 @@ static void sweep(struct relax_field *f, uint32_t first, uint32_t end)
     }
 }
 
-/* Scale of intensities: those of the band, without 2 % at each end, to 255 greys. `count` [65536]
- * is overwritten. */
-static uint32_t find_scale(const struct relax_field *f, const uint64_t *band, uint32_t *count)
+/* Scale of the intensities in the cells, or, from 1 on, of a further channel: those of the band,
+ * without 2 % at each end, to 255 greys. `count` [65536] is overwritten. */
+static uint32_t find_scale(const struct relax_field *f, const uint64_t *band, unsigned channel,
+                           uint32_t *count)
 {
+    const struct scene *scene = f->scene;
+    const uint16_t *is = channel ? scene->channel[channel - 1].intensity : NULL;
+    const uint64_t percent = channel ? scene->channel[channel - 1].percent : scene->percent;
     int32_t range[2];
     memset(count, 0, (UINT16_MAX + 1) * sizeof *count);
     for (uint32_t z = 0; z < f->size[2]; z++)
@@ -666,11 +677,31 @@ static uint32_t find_scale(const struct relax_field *f, const uint64_t *band, ui
             const uint64_t *of_row = band + row_of(f, y, z) * f->words;
             const struct cell *row = f->scene->cell + first_cell(f, y, z) - 2;
             for (size_t w = 0; w < f->words; w++)
-                for (uint64_t bits = of_row[w]; bits; bits &= bits - 1)
-                    count[row[64 * w + (unsigned)__builtin_ctzll(bits)].intensity]++;
+                for (uint64_t bits = of_row[w]; bits; bits &= bits - 1) {
+                    const struct cell *cell = row + 64 * w + (unsigned)__builtin_ctzll(bits);
+                    count[is ? is[cell - scene->cell] : cell->intensity]++;
+                }
         }
     intensities_range(range, count, 20, 980);
-    return (255U << 16) / (range[1] > range[0] ? (uint32_t)(range[1] - range[0]) : 1);
+    const uint64_t scale =
+        (255U << 16) / (range[1] > range[0] ? (uint32_t)(range[1] - range[0]) : 1);
+    return (uint32_t)(scene->channels ? scale * percent / 100 : scale);
+}
+
+static void find_scales(uint32_t scale[CHANNELS_MOST + 1], const struct relax_field *f,
+                        const uint64_t *band, uint32_t *count)
+{
+    memset(scale, 0, (CHANNELS_MOST + 1) * sizeof *scale);
+    for (unsigned i = 0; i <= f->scene->channels; i++)
+        scale[i] = find_scale(f, band, i, count);
+}
+
+static bool has_scales(const struct relax_field *f, const struct relax_stored *stored,
+                       uint32_t *count)
+{
+    uint32_t scale[CHANNELS_MOST + 1];
+    find_scales(scale, f, stored->band, count);
+    return memcmp(scale, stored->scale, sizeof scale) == 0;
 }
 
 void relax_field_make(struct relax_field *f)
@@ -679,7 +710,7 @@ void relax_field_make(struct relax_field *f)
     team_run(f->team, make_part, f);
     if (watch && watch->stopped) /* the field may be incomplete */
         return;
-    f->scale = find_scale(f, f->band, f->count);
+    find_scales(f->scale, f, f->band, f->count);
     f->store = store_new(f, true, f->room);
     for (uint32_t k = 0; k < checkpoints_of(f); k++) {
         sweep(f, k * RELAX_CHECKPOINT, half_after(f, k));
@@ -998,13 +1029,13 @@ bool relax_field_update(struct relax_field *part, const struct finish_work *work
             if (relax_field_begin(part, work, which, &box, reach, sweeps, NULL))
                 return false;
             team_run(part->team, make_part, part);
-            part->scale = stored->scale;
+            memcpy(part->scale, stored->scale, sizeof part->scale);
         }
         if (!watch || !watch->stopped) {
             if (k)
                 visit_twins(&u, &u.differs, 2 * RELAX_CHECKPOINT + RELAX_CHUNK + 1, load_twin);
             else if (!visit_twins(&u, &defined, 0, define_twin) ||
-                     find_scale(&u.whole, stored->band, part->count) != stored->scale)
+                     !has_scales(&u.whole, stored, part->count))
                 return false;
             limit_part(&u, k == 0);
             sweep(part, k * RELAX_CHECKPOINT, half_after(part, k));

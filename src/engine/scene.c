@@ -152,6 +152,33 @@ enum err scene_new_filled(struct scene **out, const uint32_t size[3], const uint
     return finish_scene(out, scene, OK, fault);
 }
 
+struct swapping {
+    struct scene *scene;
+    uint16_t *intensity;
+    struct team *team;
+};
+
+static void swap_part(void *context, unsigned worker)
+{
+    const struct swapping *s = context;
+    const size_t cells = s->scene->grid.cells, workers = team_size(s->team);
+    for (size_t c = cells * worker / workers; c < cells * (worker + 1) / workers; c++) {
+        const uint16_t was = s->scene->cell[c].intensity;
+        s->scene->cell[c].intensity = s->intensity[c];
+        s->intensity[c] = was;
+    }
+}
+
+void scene_swap_channel(struct scene *scene, unsigned channel, struct team *team)
+{
+    struct channel *other = scene->channel + channel;
+    struct swapping swapping = {scene, other->intensity, team};
+    const uint32_t percent = scene->percent;
+    team_run(team, swap_part, &swapping);
+    scene->percent = other->percent;
+    other->percent = percent;
+}
+
 void scene_free(struct scene *scene)
 {
     if (!scene)

@@ -145,9 +145,26 @@ static inline bool cell_is_reached(const struct cell *cell)
     return cell->key + 1 > 1;
 }
 
+/*
+ * Channels: further intensities of each voxel, as of another sequence or phase.
+ *
+ * The intensities of one channel, which is shown, are in the cells; each other channel has an
+ * array. scene_swap_channel exchanges two. The weight of a voxel is the greatest of all channels,
+ * each scaled by its percentage (engine/weight.h), and relaxation sees the strongest edge
+ * (engine/relax.h): so nothing but pictures and figures depends on the channel that is shown.
+ */
+enum { CHANNELS_MOST = 7, PERCENT_MOST = 1000 };
+struct channel {
+    uint16_t *intensity; /* [grid.cells], 0 in the rim */
+    uint32_t percent;    /* 0..PERCENT_MOST, scales its weights; 0: it only is shown */
+};
+
 struct scene {
     struct grid grid;
-    struct cell *cell;      /* [grid.cells] */
+    struct cell *cell;                     /* [grid.cells] */
+    struct channel channel[CHANNELS_MOST]; /* borrowed; of channels that are not in the cells */
+    unsigned channels;
+    uint32_t percent;       /* as above, for the channel in the cells */
     uint16_t *plain;        /* S4: [z][y][x], owned; else NULL */
     uint32_t spacing_nm[3]; /* between voxel centres along x, y, z */
     int8_t world_axis[3]; /* the world axis along which each voxel axis runs, and its direction: */
@@ -174,6 +191,10 @@ typedef void scene_weigh_row(void *context, unsigned worker, uint32_t y, uint32_
                              uint16_t *weight);
 void scene_make_cells(struct scene *scene, struct team *team, scene_weigh_row *weigh,
                       void *context);
+
+/* Exchange the intensities in the cells, which must be made, and those of a channel, with their
+ * percentages. */
+void scene_swap_channel(struct scene *scene, unsigned channel, struct team *team);
 
 /* Start a walk over the rows of a scene under its watch (engine/grid.h): over all rows (team NULL,
  * worker 0), or by each worker of a team over its slab. */

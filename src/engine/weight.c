@@ -29,6 +29,7 @@ enum arc_kind weight_arcs(enum weight_kind kind)
 void weight_work_release(struct weight_work *work)
 {
     free(work->bytes);
+    free(work->best);
     *work = (struct weight_work){0};
 }
 
@@ -78,8 +79,24 @@ void weight_compute(struct scene *scene, const struct adjacency *adjacency,
 {
     struct weighing weighing = {scene, adjacency, choice, work};
     assert(bytes_for_part(&scene->grid, choice) * team_size(work->team) <= work->capacity);
-    if (weight_table[choice->kind].method->weigh)
-        team_run(work->team, weigh_part, &weighing);
+    if (!weight_table[choice->kind].method->weigh)
+        return;
+    team_run(work->team, weigh_part, &weighing);
+    for (unsigned i = 0; scene->channels && i <= scene->channels; i++) {
+        if (i) {
+            scene_swap_channel(scene, i - 1, work->team);
+            team_run(work->team, weigh_part, &weighing);
+        }
+        for (size_t c = 0; c < scene->grid.cells; c++) {
+            const uint32_t scaled = scene->cell[c].weight * scene->percent / 100;
+            const uint16_t weight = (uint16_t)(scaled < WEIGHT_MOST ? scaled : WEIGHT_MOST);
+            work->best[c] = i && work->best[c] > weight ? work->best[c] : weight;
+        }
+        if (i)
+            scene_swap_channel(scene, i - 1, work->team);
+    }
+    for (size_t c = 0; scene->channels && c < scene->grid.cells; c++)
+        scene->cell[c].weight = work->best[c];
 }
 
 /* ---- digests ---- */

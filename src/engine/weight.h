@@ -147,6 +147,7 @@ enum arc_kind weight_arcs(enum weight_kind kind);
 struct weight_work {
     void *bytes;
     size_t capacity;
+    uint16_t *best; /* [cells], for a scene of several channels; owned */
     struct team
         *team; /* computes a slab of the scene per thread, in its own memory; NULL: the caller */
 };
@@ -159,7 +160,9 @@ enum err weight_work_reserve(struct weight_work *work, const struct grid *grid,
 
 /*
  * Write cell.weight of every voxel, if the choice is a gradient, under the scene's watch; memory
- * was reserved. Forest keys computed with other weights become invalid; the caller clears them.
+ * was reserved. With further channels the weight is the greatest of w * percent / 100, at most
+ * WEIGHT_MOST, over all of them. Forest keys computed with other weights become invalid; the
+ * caller clears them.
  */
 void weight_compute(struct scene *scene, const struct adjacency *adjacency,
                     const struct weight_choice *choice, struct weight_work *work);

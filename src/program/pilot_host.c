@@ -113,7 +113,9 @@ static void write_voxel(struct buf fact[PILOT_KNOWN], struct session *session,
     double mm[3];
     geometry_point(geometry, place, mm);
     write_labels(fact, session, at);
-    buf_add_text(&fact[PILOT_INTENSITY], "intensity ");
+    if (kept_channels(&session->now.kept))
+        channel_write(&fact[PILOT_INTENSITY], session);
+    buf_add_text(&fact[PILOT_INTENSITY], kept_channels(&session->now.kept) ? ": " : "intensity ");
     levels_write(&fact[PILOT_INTENSITY], geometry, session->levels,
                  session->scene->cell[at].intensity);
     if (geometry_has_place(geometry))

@@ -66,7 +66,8 @@ static enum err compute_weights(struct session *session, struct fault *fault)
 bool session_may_wait(const struct session *session)
 {
     const struct kept *kept = &session->now.kept;
-    return !session->skims && weight_is_by_rows(&kept->weight) && !kept->mask && !kept->has_range;
+    return !session->skims && !kept_channels(kept) && weight_is_by_rows(&kept->weight) &&
+           !kept->mask && !kept->has_range;
 }
 
 /* Make the cells, together with the weights if they can be computed in advance. */
@@ -255,6 +256,7 @@ static enum err reserve_memory(struct session *session, const struct kept *kept,
         if (!session->inside->mask_room)
             return fault_memory(fault, "a mask");
     }
+    TRY(session_reserve_channels(session, kept, fault));
     if (parts & MADE_WEIGHTS && !kept->weight_map)
         return weight_work_reserve(&session->inside->weight_work, grid, &kept->weight, fault);
     return OK;
@@ -304,16 +306,20 @@ enum err session_go(struct session *session, const struct state *state, const st
     if (err)
         return err;
     set_valid_markers(session, &state->lists.markers);
+    if (session->has_scene && parts & MADE_CHANNELS)
+        session_take_channels_out(session);
     state_assign(&session->now, state);
     if (!session->has_scene)
         return OK;
+    if (parts & MADE_CHANNELS)
+        session_put_channels_in(session);
     if (aims && session->pictures)
         session->inside->follower->take_camera(session->pictures, &camera);
     if (parts & (MADE_BORDER | MADE_COLOURS)) {
         session_forget_pictures(session);
         kept_show(&state->kept, &session->border);
     }
-    session->inside->stale = parts & ~(unsigned)(MADE_CAMERA | MADE_COLOURS);
+    session->inside->stale = parts & ~(unsigned)(MADE_CAMERA | MADE_COLOURS | MADE_CHANNELS);
     return recompute_stale(session, seed, seeds, fault);
 }
 

@@ -303,10 +303,11 @@ enum err session_interpolate(struct session *session, unsigned doubled, struct f
             "pending edit%s; nothing has changed",
             forest_seeds(session->forest), plural(forest_seeds(session->forest)), pendings,
             plural(pendings));
-    if (session->now.kept.mask || session->now.kept.weight_map)
-        return fault_set(fault, ERR_USAGE,
-                         "a mask or weights from a file belong to the present grid; interpolate "
-                         "first, then load them on the finer grid; nothing has changed");
+    if (session->now.kept.mask || session->now.kept.weight_map || kept_channels(&session->now.kept))
+        return fault_set(
+            fault, ERR_USAGE,
+            "a mask, a channel or weights from a file belong to the present grid; interpolate "
+            "first, then load them on the finer grid; nothing has changed");
     if (!cut_is_none(&session->now.kept.cut))
         return fault_set(fault, ERR_USAGE,
                          "a cut belongs to the present grid; interpolate first, or use "

@@ -72,6 +72,10 @@ uint64_t session_finish_source(const struct session *session)
     uint64_t mix = hash_mix_at(forest_label_digest(session->forest), keys);
     mix = hash_mix_at(hash_mix_at(mix, roi), (uint64_t)size[0] << 32 | size[1]);
     mix = hash_mix_at(mix, size[2]);
+    for (unsigned i = 0; i < kept_channels(&session->now.kept); i++)
+        mix = hash_mix_at(mix, channel_values_digest(session->now.kept.channel[i].values) ^
+                                   session->now.kept.channel[i].percent);
+    mix = session->scene->channels ? hash_mix_at(mix, session->now.kept.percent) : mix;
     for (size_t i = 0; i < sizeof *by; i++)
         mix = hash_mix_at(mix, ((const uint8_t *)by)[i]);
     return mix | 1;
@@ -274,6 +278,8 @@ void session_close_scene(struct session *session)
     if (session->pictures)
         session->inside->follower->release(session->pictures);
     session->pictures = NULL;
+    if (session->scene)
+        session_take_channels_out(session);
     label_measures_release(&session->inside->measures);
     finished_release(&session->inside->finished);
     relax_kept_release(&session->inside->relaxed);
@@ -359,6 +365,8 @@ struct session_memory session_memory_parts(const struct session *session)
     parts.scene += session->inside->mask_room ? mask_bytes(&session->scene->grid) : 0;
     parts.scene += packed_memory(kept->mask) + packed_memory(kept->rest);
     parts.scene += packed_memory(kept->weight_map);
+    for (unsigned i = 0; i < CHANNELS_MOST; i++)
+        parts.scene += channel_values_memory(kept->channel[i].values);
     parts.scene += session->levels ? sizeof *session->levels : 0;
     const struct hinting *hinting = &session->inside->hinting;
     parts.answers = (hinting->heat ? hinting->cells : 0) +

@@ -406,6 +406,21 @@ enum err session_find_worst(struct session *session, unsigned *label, double *sh
 enum err session_find_hints(struct session *session, const struct hint_list **hints,
                             const uint8_t **heat, struct fault *fault);
 
+/* ---- channels (channel.c) ---- */
+
+/* Make the intensities of a channel from a volume on the scene's grid, whose levels are taken. One
+ * holder: the caller. ERR_MEMORY, ERR_CANCELLED. */
+enum err channel_values_new(struct channel_values **values, const struct session *session,
+                            struct volume *volume, struct fault *fault);
+uint64_t channel_values_digest(const struct channel_values *values);
+
+/* The channel in the cells, 0 for the first: the outlook's; the first one while a range restricts
+ * trees, which is a range of its intensities. */
+unsigned session_shown_channel(const struct session *session);
+
+/* "channel 2 FLAIR": the channel that is shown. */
+void channel_write(struct buf *out, const struct session *session);
+
 /* ---- settings that must be checked first (go.c) ---- */
 
 /* Set weights [z][y][x] from a file called `name`. */

@@ -67,6 +67,9 @@ struct session_inside {
     struct doubting doubting;       /* doubtful_find */
     struct label_measures measures; /* measures of the forest's labels, after the first request */
 
+    struct channel_values *channel[CHANNELS_MOST]; /* those of the scene, held */
+    unsigned shown;                                /* the channel in the cells, 0 for the first */
+
     bool knows_window; /* session_find_window */
     int32_t window[2];
 
@@ -99,6 +102,13 @@ void session_place(struct session *session, const struct kept *kept);
  * and compute that answer: `weight_digest`. */
 bool session_may_wait(const struct session *session);
 enum err session_foretell(struct session *session, struct fault *fault);
+
+/* Restore the first channel and remove the others from the scene, before the state changes; and set
+ * the channels of the present state (channel.c). Neither can fail. */
+void session_take_channels_out(struct session *session);
+void session_put_channels_in(struct session *session);
+enum err session_reserve_channels(struct session *session, const struct kept *kept,
+                                  struct fault *fault);
 
 /* Invalidate pictures. */
 void session_forget_pictures(struct session *session);

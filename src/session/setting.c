@@ -183,7 +183,7 @@ void setting_put(struct state *state, const struct setting_member *member, int64
 
 struct state state_default(void)
 {
-    struct state state = {.kept = {.cut = cut_none(), .weight = {WEIGHT_MORPH, 1}},
+    struct state state = {.kept = {.cut = cut_none(), .weight = {WEIGHT_MORPH, 1}, .percent = 100},
                           .outlook.slices.times = SLICE_TIMES_ONE};
     for (const struct command *setting = setting_table; setting->name; setting++)
         for (const struct parameter *p = setting->parameter; p->type; p++)
@@ -220,6 +220,8 @@ static const struct state_field {
     FIELD(kept.weight, MADE_WEIGHTS),
     FIELD(kept.polarity, MADE_BY_POLARITY),
     FIELD(kept.weight_map, MADE_WEIGHTS),
+    FIELD(kept.channel, MADE_CHANNELS | MADE_WEIGHTS),
+    FIELD(kept.percent, MADE_CHANNELS | MADE_WEIGHTS),
     FIELD(kept.mask, MADE_ROI),
     FIELD(kept.rest, 0),
     FIELD(kept.weight_file, 0),
@@ -228,7 +230,7 @@ static const struct state_field {
     FIELD(kept.landmark, 0),
     FIELD(kept.origin, 0),
     FIELD(kept.origin_mm3, 0),
-    FIELD(kept.has_range, MADE_ROI),
+    FIELD(kept.has_range, MADE_ROI | MADE_CHANNELS),
     FIELD(kept.range, MADE_ROI),
     FIELD(kept.finish, 0),
     FIELD(outlook.view.angle, MADE_CAMERA),
@@ -236,6 +238,9 @@ static const struct state_field {
     FIELD(outlook.view.focus, MADE_CAMERA),
     FIELD(outlook.slices.has_window, MADE_BY_WINDOW),
     FIELD(outlook.slices.window, MADE_BY_WINDOW),
+    FIELD(outlook.slices.channel, MADE_CHANNELS),
+    FIELD(outlook.slices.other_has_window, 0),
+    FIELD(outlook.slices.other_window, 0),
 };
 
 _Static_assert(offsetof(struct state, kept) == 0, "a struct kept is the beginning of a state");

@@ -323,6 +323,8 @@ void kept_hold(const struct kept *kept)
     packed_hold(kept->weight_map);
     packed_hold(kept->mask);
     packed_hold(kept->rest);
+    for (unsigned i = 0; i < CHANNELS_MOST; i++)
+        channel_values_hold(kept->channel[i].values);
 }
 
 void kept_release(struct kept *kept)
@@ -330,6 +332,8 @@ void kept_release(struct kept *kept)
     packed_release(&kept->weight_map);
     packed_release(&kept->mask);
     packed_release(&kept->rest);
+    for (unsigned i = 0; i < CHANNELS_MOST; i++)
+        channel_values_release(&kept->channel[i].values);
 }
 
 void state_release(struct state *state)

@@ -116,6 +116,14 @@ struct landmark {
     uint32_t place[3];              /* a voxel */
 };
 
+/* A further channel of the scene (engine/scene.h). The first channel is the scene's own. */
+struct channel_values; /* counted; channel.c */
+struct kept_channel {
+    struct channel_values *values; /* NULL: none */
+    uint64_t percent;              /* scales its weights */
+    char name[LABEL_NAME_BYTES];   /* "" for none */
+};
+
 /* No padding between members, here and below (tests/test_setting.c). */
 struct kept {
     struct palette palette;
@@ -135,7 +143,9 @@ struct kept {
     struct packed *mask;       /* bits (engine/roi.h); NULL for none */
     struct packed *rest; /* regions that the mask excludes (`labels rest=keep`): uint16 numbers in
                             files [z][y][x], 0 for none; or NULL */
-    char weight_file[FILE_WORDS_BYTES]; /* names of both, cut if long; "" for none */
+    struct kept_channel channel[CHANNELS_MOST]; /* used ones first */
+    uint64_t percent;                           /* scales the first channel's weights */
+    char weight_file[FILE_WORDS_BYTES];         /* names of both, cut if long; "" for none */
     char mask_file[FILE_WORDS_BYTES];
     uint32_t mask_regions[2];            /* first and last */
     struct landmark landmark[LANDMARKS]; /* in order of creation; unused ones last */
@@ -155,6 +165,9 @@ struct slice_settings {
     uint32_t middle[3];  /* this voxel; otherwise at the cross-hair */
     uint32_t has_window; /* 0 or 1; otherwise the window follows from the scene: */
     struct decimal window[2]; /* real values, black and white */
+    uint64_t channel; /* the channel shown, 0 for the first; windows of the others, as above: */
+    uint32_t other_has_window[CHANNELS_MOST + 1];
+    struct decimal other_window[CHANNELS_MOST + 1][2];
     enum slice_overlay overlay;
     uint32_t crosses, marks, words; /* 0 or 1: the cross-hair; seeds and eliminators; letters
                                        and bars */
@@ -199,6 +212,11 @@ void state_release(struct state *state);
 /* Make *to an owning copy, releasing the former one. Cannot fail. */
 void state_assign(struct state *to, const struct state *from);
 
+struct channel_values *channel_values_hold(struct channel_values *values);
+void channel_values_release(struct channel_values **values);
+size_t channel_values_memory(const struct channel_values *values); /* divided among its holders */
+unsigned kept_channels(const struct kept *kept);                   /* number of further channels */
+
 /* Parts of a session that are recomputed when the members they depend on change. */
 enum {
     MADE_WEIGHTS = 1,
@@ -207,6 +225,7 @@ enum {
     MADE_BORDER = 8,
     MADE_CAMERA = 16,
     MADE_COLOURS = 32,
+    MADE_CHANNELS = 1024, /* which intensities are in the cells */
 };
 
 /*

@@ -208,8 +208,9 @@ static const struct rendition *objects_of(const struct pictures *p)
 static enum err draw_context(struct pictures *p, struct fault *fault)
 {
     struct session *session = p->session;
-    struct mip_source source = {
-        .scene = session->scene, .digest = session->scene_digest, .cut = session->now.kept.cut};
+    struct mip_source source = {.scene = session->scene,
+                                .digest = session->scene_digest + session_shown_channel(session),
+                                .cut = session->now.kept.cut};
     const uint32_t samples = look_of(p)->samples;
     struct view view = p->camera.view; /* in samples; converted to pixels below */
     struct camera camera;

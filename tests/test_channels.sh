@@ -1,0 +1,105 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Several channels of a scene: weights, relaxation, answers, pictures and undo.
+. "$(dirname "$0")/lib.sh"
+"$PYTHON" - <<'END' || exit 1
+import nibabel, numpy
+noise = numpy.random.default_rng(3)
+x, y, z = numpy.indices((60, 50, 40))
+save = lambda voxels, name: nibabel.save(nibabel.Nifti1Image(voxels, numpy.eye(4)), name)
+balls = [(x - at) ** 2 + (y - 25) ** 2 + (z - 20) ** 2 < 100 for at in (20, 42)]
+for ball, name in zip(balls, "ab"):
+    voxels = numpy.where(ball, 300, 100) + noise.integers(-8, 9, ball.shape)
+    save(voxels.astype(numpy.int16), f"case_000{'ab'.index(name)}.nii")
+    save((voxels / 7).astype(numpy.float32), f"{name}-real.nii")
+save(numpy.where(balls[0], 1, numpy.where(balls[1], 2, 0)).astype(numpy.uint8), "truth.nii")
+save(numpy.zeros((9, 9, 9), numpy.int16), "small.nii")
+END
+seeds='seed 20,25,20 1 radius=3; seed 42,25,20 2 radius=3; seed 30,5,5 0 radius=3
+    seed 31,45,35 0 radius=3; run'
+dice() { # LABEL: of the last compare
+    awk -v label="$1" '$1 == label && NF > 5 { print int(1000 * $2) }' out
+}
+last() { # WORD of the last record that has it
+    sed -n "s/^= .* $2=\([^ ]*\).*/\1/p" "$1" | tail -n 1
+}
+
+begin "two objects, each with its edge in one channel alone, in four gestures"
+expect 0 "$iftty" -c "open case_0000.nii; channel case_0001.nii name=FLAIR; $seeds
+    compare truth.nii" --journal j.iftty
+for label in 1 2; do
+    [ "$(dice $label)" -ge 800 ] || fail "label $label: $(dice $label)"
+done
+out_has 'case_0001.nii may be a further channel: `channel case_0001.nii`'
+expect 0 "$iftty" -c "open case_0000.nii; $seeds; compare truth.nii"
+[ "$(dice 2)" -lt 300 ] || fail "the first channel alone has an edge there: $(dice 2)"
+expect 0 "$iftty" verify j.iftty
+expect 0 "$iftty" -c "info" --journal j.iftty
+out_has "channel   2 FLAIR, digest "
+
+begin "the scene as its own second channel changes no bit"
+expect 0 "$iftty" -c "open case_0000.nii; $seeds; finish relax; finished on; stats finished=yes" \
+    --journal one.iftty
+expect 0 "$iftty" -c "open case_0000.nii; channel case_0000.nii; $seeds; finish relax; finished on
+    save labels two.nii finished=yes" --journal two.iftty
+expect 0 "$iftty" -c "open case_0000.nii; $seeds; finish relax; save labels one.nii finished=yes"
+same "$(last one.iftty forest)" "$(last two.iftty forest)"
+same_files one.nii two.nii
+
+begin "only pictures and figures depend on the channel that is shown"
+for show in 1 2; do
+    expect 0 "$iftty" -c "open case_0000.nii; channel case_0001.nii; show-channel $show; $seeds
+        finish relax; save labels shown$show.nii finished=yes; why 42,25,20
+        size 64 64; slice coronal shown$show.png" --journal "shown$show.iftty"
+    cp out seen
+    expect 0 "$iftty" verify "shown$show.iftty"
+done
+grep -q "intensity in channel 2: 293" seen || fail "$(grep voxel seen)"
+same_files shown1.nii shown2.nii
+same "$(last shown1.iftty forest)" "$(last shown2.iftty forest)"
+! cmp -s shown1.png shown2.png || fail "the pictures are the same"
+
+begin "each channel has its own window, values and range of planting"
+expect 3 "$iftty" -c "open a-real.nii; channel b-real.nii; window 10 20; show-channel next
+    window 30 40; show-channel 1; info; show-channel 2; info; why 42,25,20; why 20,25,20
+    seed 20,25,20 1 radius=3 range=40..50; seed 42,25,20 2 radius=3 range=40..50" --keep-going
+same "$(grep -o 'window [0-9. ]*,' out | tail -n 2 | tr '\n' ' ')" "window 10 20, window 30 40, "
+grep -q 'voxel 42,25,20 .*intensity in channel 2: 4' out || fail "$(grep voxel out)"
+grep -q 'voxel 20,25,20 .*intensity in channel 2: 1' out || fail "$(grep voxel out)"
+err_has "range: no voxel of it has such an intensity"
+grep -q '^ok [0-9]* seed 42,25,20 2 radius=3 range=40..50' out || fail "nothing was planted"
+
+begin "adding, scaling and removing a channel is undone exactly, whatever is shown"
+steps="open case_0000.nii; channel case_0001.nii; $seeds; show-channel 2"
+expect 0 "$iftty" -c "$steps; channel 2 percent=50; undo; channel 2 remove=yes; why 42,25,20; undo
+    why 42,25,20; goto 1; why 42,25,20; goto 7; why 42,25,20" --journal undo.iftty
+cp out seen
+expect 0 "$iftty" verify undo.iftty
+same "$(grep -o 'intensity [^,]*' seen | tr '\n' ';')" \
+    "intensity 98;intensity in channel 1: 98;intensity 98;intensity in channel 1: 98;"
+same "$(last undo.iftty forest)" "$(last j.iftty forest)"
+expect 0 "$iftty" -c "open case_0000.nii; $seeds; range 90 310; channel case_0001.nii; undo; run" \
+    --journal range.iftty
+expect 0 "$iftty" verify range.iftty
+
+begin "refusals"
+refused() { # COMMANDS WORDS
+    expect 2 "$iftty" -c "open case_0000.nii; channel case_0001.nii; $1"
+    err_has "$2"
+}
+refused "weight difference" "several channels need gradients as weights"
+refused "weight truth.nii" "several channels need gradients as weights"
+refused "channel 3 percent=9" "there is no channel 3: the scene has 2"
+refused "channel 1 remove=yes" "the first channel cannot be removed"
+refused "channel 2 volume=1" "volume: only a file has one"
+refused "show-channel 5" "there is no channel 5"
+refused "range 0 400; show-channel 2" 'a `range` of the first channel restricts trees'
+refused "interpolate 2 2 2" "a mask, a channel or weights from a file belong to the present"
+expect 2 "$iftty" -c "open case_0000.nii; weight polarity; channel case_0001.nii"
+expect 2 "$iftty" -c "open case_0000.nii; show-channel next"
+err_has 'the scene has one channel; `channel FILE` adds another'
+expect 3 "$iftty" -c "open case_0000.nii; channel small.nii"
+expect 3 "$iftty" apply j.iftty case_0001.nii --by world
+err_has "its scene has several channels"
+
+finish
