@@ -53,6 +53,7 @@ seeds='seed 100,100,50 1 radius=8; seed 50,84,50 2; seed 5,5,5 0; run'
 expect_in "$work/run" 0 "$iftty" -c 'open synth:geom:200x200x121; seed 9,9,9 1; run
     save labels brain.nii.gz'
 cp "$work/run/brain.nii.gz" "$work/run/expert.nii.gz"
+cp "$work/run/brain.nii.gz" "$work/run/flair.nii.gz"
 expect_in "$work/run" 0 "$iftty" -c "open synth:geom:200x200x121; $seeds
     save labels model.nii.gz; save names aal.nii.txt"
 cp "$work/run/model.nii.gz" "$work/run/aal.nii.gz"
@@ -67,6 +68,8 @@ while read -r line; do
             fill 4,4,9 2 to=9,4,9 to=9,9,9 within=0'
         ;;
     object) before='open ct.nii; seed 6,6,6 2' ;;
+    channel) before='open synth:geom:200x200x121' ;;
+    show-channel) before='open synth:geom:200x200x121; channel brain.nii.gz' ;;
     pick) before='open synth:geom:40x40x40; seed 9,9,9 1; run; render' ;;
     redo) before='open synth:geom:20x20x20; seed 9,9,9 1; undo' ;;
     auto | finish | finished | mosaic | polarity | range | render | shade | spin | weight)

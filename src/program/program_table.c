@@ -316,7 +316,7 @@ static const struct program program[] = {
                "otherwise fails if one differs. Keeps the former journal as JOURNAL.before-N.",
      .run = run_reseal},
     {"report", NULL, "JOURNAL", 1, 1, .option = {PAGE, STEPS, COMPARE_WITH, SCENE, LIMIT_OPTIONS},
-     .summary = "write a page about a journal: labels, pictures, chain",
+     .summary = "write a page about a journal",
      .detail = "Replays the journal under the restrictions of `replay`, and writes one HTML file "
                "that needs no other: whether the journal is verified, its last chain, volumes of "
                "labels, slices through each of them, golden images. Equal journals have equal "
