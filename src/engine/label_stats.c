@@ -372,76 +372,95 @@ struct pair_counting {
     struct label_pairs *pairs;
     struct team *team;
     pair_counts *part; /* [workers] */
+    struct span *run;  /* runs of one label, without label 0, in the order of cells */
+    size_t *row;       /* the first run of each row of voxels, and the end of the last row */
 };
 
-/* Number of bytes among `count` that equal `label`. */
-static uint32_t count_equal(const uint8_t *byte, uint32_t count, uint8_t label)
+/* False without memory. */
+static bool find_runs(struct pair_counting *counting)
 {
-    uint32_t equal = 0;
-    for (; count >= 8; count -= 8, byte += 8)
-        equal += (uint32_t)(equal_bytes(byte, label) * UINT64_C(0x0101010101010101) >> 56);
-    for (; count > 0; count--)
-        equal += *byte++ == label;
-    return equal;
+    const uint8_t *label = counting->pairs->label;
+    struct grid_walk w = scene_walk(counting->pairs->scene, "surface", NULL, 0);
+    size_t runs = 0, capacity = 0;
+    for (size_t row = 0; grid_walk_next(&w); counting->row[++row] = runs)
+        for (struct span run = {w.row.first, w.row.first}; run.first < w.row.end;
+             run.first = run.end) {
+            while (run.end < w.row.end && label[run.end] == label[run.first])
+                run.end++;
+            if (!label[run.first])
+                continue;
+            if (!mem_grow(&counting->run, &capacity, runs + 1, sizeof *counting->run))
+                return false;
+            counting->run[runs++] = run;
+        }
+    return true;
 }
 
-/* Count the pairs of the voxels x..end-1 of a row with voxels at an offset. */
-static uint32_t pairs_of(const struct label_pairs *pairs, struct span run, const struct place *at,
-                         const struct neighbour *n)
+/* Add the pairs of voxels in one row with voxels in the row y and z steps from it. Two runs of a
+ * label have a pair, x steps apart, for each voxel where they overlap after one of them is moved by
+ * x steps. Each pair is counted once, at its first voxel. */
+static void add_rows(const struct pair_counting *counting, pair_counts count, size_t row, int y,
+                     int z)
 {
-    const uint32_t *size = pairs->scene->grid.size;
-    const int64_t y = at->y + (int64_t)n->step[1], z = at->z + (int64_t)n->step[2];
-    const int64_t beyond = size[0] - (int64_t)n->step[0], x = at->x, end = x + run.end - run.first;
-    const int64_t from = x < -n->step[0] ? -n->step[0] : x, to = end < beyond ? end : beyond;
-    if (y < 0 || y >= size[1] || z < 0 || z >= size[2] || from >= to)
-        return 0;
-    const uint8_t *label = pairs->label + run.first;
-    return count_equal(label + (from - x) + n->offset, (uint32_t)(to - from), *label);
-}
-
-/* Add the pairs of a row; return the number of its voxels with a label. */
-static uint64_t add_row(const struct label_pairs *pairs, pair_counts count,
-                        const struct grid_walk *w)
-{
-    const struct span row = w->row;
-    uint64_t labelled = 0;
-    for (struct span run = {row.first, row.first}; run.first < row.end; run.first = run.end) {
-        const uint8_t label = pairs->label[run.first];
-        while (run.end < row.end && pairs->label[run.end] == label)
-            run.end++;
-        if (label) {
-            /* Count each pair once, at its first voxel. */
-            const struct place *at = &(const struct place){run.first - row.first, w->y, w->z};
-            count[label][0] += run.end - run.first;
-            for (int kind = 1; kind < PAIR_KINDS; kind++)
-                for (unsigned i = pairs->first[kind]; i < pairs->first[kind + 1]; i++)
-                    if (pairs->around[i].offset > 0)
-                        count[label][kind] += pairs_of(pairs, run, at, &pairs->around[i]);
-            labelled += run.end - run.first;
+    const struct label_pairs *pairs = counting->pairs;
+    const int64_t step = pairs->step[0], offset = y * pairs->cells[1] + z * pairs->cells[2];
+    const ptrdiff_t rows = y * (ptrdiff_t)pairs->step[1] +
+                           z * (ptrdiff_t)pairs->step[2] * (ptrdiff_t)pairs->scene->grid.size[1];
+    const size_t *const at = counting->row + row, *const other = at + rows;
+    const struct span *there = counting->run + other[0], *const last = counting->run + other[1];
+    for (size_t i = at[0]; i < at[1]; i++) {
+        const struct span *here = counting->run + i;
+        const uint8_t label = pairs->label[here->first];
+        while (there < last && there->end - offset + REACH * step <= here->first)
+            there++;
+        for (const struct span *run = there;
+             run < last && run->first - offset - REACH * step < here->end; run++) {
+            if (pairs->label[run->first] != label)
+                continue;
+            for (int x = y || z ? -REACH : 0; x <= REACH; x++) {
+                const int64_t moved = offset + x * step;
+                const int64_t first = run->first - moved, end = run->end - moved;
+                const int64_t overlap = (end < here->end ? end : here->end) -
+                                        (first > here->first ? first : here->first);
+                count[label][kind_of(x, y, z)] += overlap > 0 ? (uint64_t)overlap : 0;
+            }
         }
     }
-    return labelled;
 }
 
 static void count_pairs_part(void *context, unsigned worker)
 {
     struct pair_counting *counting = context;
-    struct label_pairs *pairs = counting->pairs;
+    const struct label_pairs *pairs = counting->pairs;
+    const struct grid *grid = &pairs->scene->grid;
     struct grid_walk w = scene_walk(pairs->scene, "surface", counting->team, worker);
-    w.task.total = 0; /* rows with labels need more time */
-    while (grid_walk_next(&w))
-        task_advance(&w.task, 2 * add_row(pairs, counting->part[worker], &w));
+    w.task.total = 0; /* rows with many runs need more time */
+    while (grid_walk_next(&w)) {
+        const size_t row = (size_t)w.z * grid->size[1] + w.y;
+        for (int z = 0; z <= REACH; z++)
+            for (int y = z ? -REACH : 0; y <= REACH; y++)
+                if (grid_contains(grid, 0, w.y + (int64_t)y * pairs->step[1],
+                                  w.z + (int64_t)z * pairs->step[2]))
+                    add_rows(counting, counting->part[worker], row, y, z);
+        task_advance(&w.task, counting->row[row + 1] - counting->row[row]);
+    }
 }
 
 static enum err count_all_pairs(struct label_pairs *pairs, const struct labels *labels,
                                 struct team *team, struct fault *fault)
 {
+    const struct grid *grid = &pairs->scene->grid;
     OWNED(mem_release) pair_counts *part = mem_new(team_size(team) * sizeof *part);
-    struct pair_counting counting = {pairs, team, part};
-    if (!part)
-        return fault_memory(fault, "a surface");
+    OWNED(mem_release)
+    size_t *row = mem_new(((size_t)grid->size[1] * grid->size[2] + 1) * sizeof *row);
+    struct pair_counting counting = {pairs, team, part, NULL, row};
     labels_copy(labels, pairs->label, team);
-    team_run(team, count_pairs_part, &counting);
+    const bool fits = part && row && find_runs(&counting);
+    if (fits)
+        team_run(team, count_pairs_part, &counting);
+    free(counting.run);
+    if (!fits)
+        return fault_memory(fault, "a surface");
     memset(pairs->count, 0, sizeof pairs->count);
     for (unsigned worker = 0; worker < team_size(team); worker++)
         for (unsigned label = 0; label < 256; label++)
