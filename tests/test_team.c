@@ -144,6 +144,51 @@ STORY(one_to_eight_workers_grow_the_same_forest)
         team_free(team[workers]);
 }
 
+/* Planes of random weights have small levels: one worker serves them for all. The planes between
+ * them have large levels, for which it calls the others. */
+static struct world layered_world(struct team *team)
+{
+    enum { SIDE = 66, PLANES = 12 };
+    uint64_t random = FIRST;
+    struct world w = world_new(SIDE, SIDE, PLANES, 6);
+    CHECK(forest_set_team(w.forest, team, NULL) == OK);
+    for (struct grid_walk rows = grid_rows(&w.scene->grid, NULL, NULL); grid_walk_next(&rows);)
+        for (uint32_t c = rows.row.first; c < rows.row.end; c++)
+            w.scene->cell[c].weight = (uint16_t)(10000 * (rows.z / 2) +
+                                                 (rows.z / 2 % 2 ? 0 : check_below(&random, 9999)));
+    return w;
+}
+
+STORY(one_worker_serves_small_levels_for_all)
+{
+    static const unsigned sizes[] = {2, 3, WORKERS, TEAM_MOST};
+    OWNED(world_free) struct world alone = layered_world(NULL);
+    const uint32_t first = grid_cell(&alone.scene->grid, 0, 0, 0);
+    const struct edit seed[] = {{first, 1, 0}, {first + 50, 2, 0}};
+    uint64_t random = FIRST;
+    CHECK(forest_edit(alone.forest, seed, 2, NULL) == OK && forest_check(alone.forest, NULL));
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        OWNED(team_drop) struct team *team;
+        CHECK(team_new(&team, sizes[i], NULL) == OK);
+        OWNED(world_free) struct world w = layered_world(team);
+        for (size_t n = 0; n < check_scaled(2); n++) {
+            int looks = (int)check_below(&random, 20000);
+            struct watch watch = {.context = &looks, .poll = stop_after_looks};
+            w.scene->watch = &watch;
+            if (forest_edit(w.forest, seed, 2, NULL) == OK)
+                CHECK(world_is_same(&alone, &w) &&
+                      forest_edit(
+                          w.forest,
+                          (struct edit[]){{first, EDIT_ERASE, 0}, {first + 50, EDIT_ERASE, 0}}, 2,
+                          NULL) == OK);
+            w.scene->watch = NULL;
+            CHECK(forest_seeds(w.forest) == 0 && forest_check(w.forest, NULL));
+        }
+        CHECK(forest_edit(w.forest, seed, 2, NULL) == OK);
+        CHECK(world_is_same(&alone, &w));
+    }
+}
+
 STORY(a_shared_pass_cancelled_at_any_level_leaves_an_empty_forest)
 {
     OWNED(team_drop) struct team *team;

@@ -16,7 +16,8 @@
  * of cells that it does not own while their owners may lower them: the owner declines a useless
  * offer, and no key ever rises. So each level ends with the same keys as if one worker had served
  * it. If the first worker has to wait for the others, because the machine is busy with other
- * programs, it continues alone in place of all of them.
+ * programs, it continues alone in place of all of them. It does the same while levels are small,
+ * as in scenes of 16 bits: the others sleep until a level is large.
  *
  * Support. Every key except a seed's is an offer of the predecessor. A voxel loses this support
  * when a seed is removed or the key of its predecessor changes; such voxels are processed first.
@@ -34,6 +35,9 @@ enum {
     OFFERS = WINDOW * 26 + 1,
     AHEAD = 6,              /* cleared voxels between prefetching one and using it */
     PATIENCE_NS = 15000000, /* waiting time after which the first worker continues alone */
+    SMALL = 256,            /* a level with fewer voxels is small; */
+    SMALL_LEVELS = 1024,    /* after more small levels in sequence one worker continues alone, */
+    LARGE = 4096,           /* until a level has more voxels */
 };
 
 /* Parameters for which code is compiled separately, as constants: loops unroll and tests vanish. */
@@ -454,6 +458,10 @@ static void accept_posted_offers(struct forest *forest, struct worker *worker, u
 struct pass {
     struct forest *forest;
     uint64_t begin_ns, waited_ns; /* begin of the pass, and waiting time of the first worker */
+    uint64_t served;              /* voxels of all levels before the current one */
+    unsigned small;               /* small levels in sequence */
+    bool is_impatient;            /* the first worker is alone because it had to wait */
+    bool calls_team;              /* the first worker stops being alone */
 };
 
 static void post_status(struct worker *worker, enum err err)
@@ -517,7 +525,7 @@ static void work(void *context, unsigned number)
             team = NULL;
         }
         const struct status all = gather_status(forest);
-        if (all.err || all.lowest == QUEUE_EMPTY || forest->pauses)
+        if (all.err || all.lowest == QUEUE_EMPTY || forest->pauses || pass->calls_team)
             break;
         const uint32_t level = (uint32_t)all.lowest;
         for (unsigned i = number; i < end; i++)
@@ -525,11 +533,18 @@ static void work(void *context, unsigned number)
         meet(pass, team, number);
         bool cancelled = false;
         if (number == 0) {
-            /* Continue alone after a long wait, if that was most of the time. Once alone, write no
-             * more: the other workers may not have read it yet. */
-            if (team)
-                forest->alone = pass->waited_ns > PATIENCE_NS &&
-                                pass->waited_ns > (clock_ns() - pass->begin_ns) / 2;
+            /* Continue alone after a long wait, if that was most of the time, and while levels are
+             * small. Once alone, write no more: the other workers may not have read it yet. */
+            const uint64_t served = all.served - pass->served;
+            pass->served = all.served;
+            pass->small = served < SMALL ? pass->small + 1 : 0;
+            if (team) {
+                pass->is_impatient = pass->waited_ns > PATIENCE_NS &&
+                                     pass->waited_ns > (clock_ns() - pass->begin_ns) / 2;
+                forest->alone = pass->is_impatient || pass->small > SMALL_LEVELS;
+            } else {
+                pass->calls_team = forest->alone && !pass->is_impatient && served > LARGE;
+            }
             if (forest->task.watch) {
                 forest->task.done = all.served;
                 cancelled = (!task_poll(&forest->task) && forest->may_stop) || forest->cut_short;
@@ -552,12 +567,13 @@ enum err forest_pass(struct forest *forest)
     struct status all;
     forest->cut_short = forest->alone = false;
     do {
-        forest->pauses = false;
+        forest->alone = forest->alone && !pass.calls_team;
+        forest->pauses = pass.calls_team = false;
         team_run(forest->shared ? forest->team : NULL, work, &pass);
         all = gather_status(forest);
         if (forest->pauses && !all.err)
             watch_show(forest->task.watch);
-    } while (forest->pauses && !all.err);
+    } while ((forest->pauses || pass.calls_team) && !all.err);
     forest->level = UINT32_MAX;
     for (unsigned i = 0; i < forest->workers; i++) {
         struct worker *worker = forest->worker + i;
