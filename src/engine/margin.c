@@ -2,9 +2,13 @@
 #include "engine/margin.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/mem.h"
 #include "engine/queue.h"
+#include "engine/roi.h"
+
+enum { VALUE, COST };
 
 /* Costs are served one after another, from the lowest up; serving a cost adds cells to it and to
  * higher ones. */
@@ -18,8 +22,11 @@ struct search {
     bool starved;
     uint32_t enough; /* costs from here on are not served */
 
-    uint16_t
-        *cost; /* for margins, [grid.cells]: of the best path from another label, or MARGIN_NONE */
+    /* For margins, [grid.cells]: VALUE, the weight or intensity that decides the weights of arcs,
+     * and COST, of the best path from another label, or MARGIN_NONE. Cells have four times as many
+     * bytes, and most of the time is spent waiting for them. */
+    uint16_t (*pair)[2];
+    uint64_t *border; /* bits: cells with a neighbour of another label */
     uint32_t *after; /* for a rival, [grid.cells]: 1 plus the greatest weight from there on; or 0 */
     struct rival *rival;
     uint8_t label; /* the label whose rival is searched */
@@ -59,7 +66,7 @@ static inline void wait_at(struct search *s, uint32_t here, uint32_t cost, uint3
 
 /* Examine the neighbours of each queued cell. An entry whose cell has a lower cost by now is
  * skipped. Memory is prefetched for a cell that follows soon: most of the time is spent waiting for
- * it. */
+ * it. All cells that wait at a cost are served together, in the order in which they were found. */
 typedef void look_around(struct search *s, uint32_t cell, uint32_t cost);
 static inline __attribute__((always_inline)) void
 serve(struct search *s, look_around *look, const void *values, size_t bytes, struct task *task)
@@ -72,13 +79,18 @@ serve(struct search *s, look_around *look, const void *values, size_t bytes, str
             return;
         queue_serve(s->queue, (uint32_t)lowest);
         do {
-            s->starved |= !mem_grow(&s->level, &s->capacity, TAKEN, sizeof *s->level);
-            s->count = s->starved ? 0 : queue_take(s->queue, s->level, TAKEN);
+            s->count = 0;
+            for (size_t taken = 1; taken > 0 && !s->starved; s->count += taken) {
+                s->starved |=
+                    !mem_grow(&s->level, &s->capacity, s->count + TAKEN, sizeof *s->level);
+                taken = s->starved ? 0 : queue_take(s->queue, s->level + s->count, TAKEN);
+            }
             for (size_t n = 0; n < s->count && !s->starved; n++) {
                 const uint32_t ahead = s->level[n + AHEAD < s->count ? n + AHEAD : n];
                 for (unsigned i = 0; i < s->adjacency->count; i++) {
                     const size_t near = ahead + (size_t)s->adjacency->offset[i];
-                    __builtin_prefetch(s->scene->cell + near);
+                    if (!s->pair)
+                        __builtin_prefetch(s->scene->cell + near);
                     __builtin_prefetch((const char *)values + near * bytes);
                 }
                 look(s, s->level[n], cost);
@@ -91,16 +103,8 @@ serve(struct search *s, look_around *look, const void *values, size_t bytes, str
 
 /* ---- margins ---- */
 
-/* Offer of neighbour s to t, which has another label or the same. */
-static uint32_t offer(const struct search *search, uint32_t s, uint32_t t)
-{
-    const struct cell *cell = search->scene->cell;
-    const uint32_t w = arc_weight_now(search->arcs, cell + s, cell + t);
-    const uint32_t has = cell[s].label == cell[t].label ? search->cost[s] : key_cost(cell[s].key);
-    return w > has ? w : has;
-}
-
-/* Set the cost of t to the best offer of neighbours with another label, and queue t. */
+/* Set the cost of t to the best offer of neighbours with another label, and queue t. A cell that no
+ * seed reaches keeps the cost 0, which no offer is below. */
 static void begin_at(struct search *search, uint32_t t)
 {
     const struct adjacency *adjacency = search->adjacency;
@@ -112,32 +116,50 @@ static void begin_at(struct search *search, uint32_t t)
         const struct cell *from = cell + adjacency->offset[i];
         if (from->label == cell->label || !cell_is_reached(from))
             continue;
-        const uint32_t offered = offer(search, t + (uint32_t)adjacency->offset[i], t);
-        best = offered < best ? offered : best;
+        const uint32_t w = arc_weight_now(search->arcs, from, cell), has = key_cost(from->key);
+        const uint32_t offer = w > has ? w : has;
+        best = offer < best ? offer : best;
+        search->border[t >> 6] |= UINT64_C(1) << (t & 63);
     }
-    if (best == MARGIN_NONE)
-        return;
-    search->cost[t] = (uint16_t)best;
-    queue_push(search->queue, best << 16, t);
+    search->pair[t][VALUE] = search->arcs->kind == ARC_TARGET ? cell->weight : cell->intensity;
+    search->pair[t][COST] = (uint16_t)best;
+    if (best < MARGIN_NONE)
+        queue_push(search->queue, best << 16, t);
 }
 
-/* Offer the final cost of s to neighbours of the same label. */
-static inline void pass_on(struct search *search, uint32_t s, uint32_t cost)
+/* Offer the final cost of s to neighbours of the same label. The outcome is hard to predict, so
+ * there is no branch. */
+static inline void pass_on(struct search *search, uint32_t s, uint32_t here)
 {
     const struct adjacency *adjacency = search->adjacency;
     const struct cell *cell = search->scene->cell;
-    if (search->cost[s] != cost)
+    const uint16_t *own = search->pair[s];
+    const bool is_target = search->arcs->kind == ARC_TARGET;
+    const bool is_border = search->border[s >> 6] >> (s & 63) & 1;
+    struct waiting rise[26];
+    size_t rises = 0;
+    if (own[COST] != here)
         return;
-    for (unsigned i = 0; i < adjacency->count; i++) {
+    if (search->capacity < search->count + adjacency->count)
+        search->starved |= !mem_grow(&search->level, &search->capacity,
+                                     search->count + adjacency->count, sizeof *search->level);
+    for (unsigned i = 0; i < adjacency->count && !search->starved; i++) {
         const uint32_t t = s + (uint32_t)adjacency->offset[i];
-        if (cell[t].label != cell[s].label || !cell_is_reached(cell + t))
-            continue;
-        const uint32_t offered = offer(search, s, t);
-        if (offered >= search->cost[t])
-            continue;
-        search->cost[t] = (uint16_t)offered;
-        wait_at(search, cost, offered, t);
+        uint16_t *to = search->pair[t];
+        const int32_t rising = to[VALUE] - own[VALUE];
+        const uint32_t w = is_target ? to[VALUE] : (uint32_t)(rising < 0 ? -rising : rising);
+        const uint32_t offer = w > here ? w : here;
+        bool takes = offer < to[COST];
+        if (takes & is_border)
+            takes = cell[t].label == cell[s].label;
+        to[COST] = (uint16_t)(takes ? offer : to[COST]);
+        search->level[search->count] = t;
+        search->count += takes & (offer == here);
+        rise[rises] = (struct waiting){offer << 16, t};
+        rises += takes & (offer > here);
     }
+    if (rises > 0)
+        queue_push_many(search->queue, rise, rises);
 }
 
 enum err margin_new(uint16_t **margin, const struct forest *forest, struct fault *fault)
@@ -150,11 +172,11 @@ enum err margin_new(uint16_t **margin, const struct forest *forest, struct fault
                          "there is no margin under `weight polarity`, where the cost of a step "
                          "depends on the label; expected another weight; nothing was written");
     struct search search = search_begin(forest);
-    uint16_t *const cost = search.cost = mem_array(cells, sizeof *cost);
-    search.starved |= !cost;
-    for (size_t c = 0; cost && c < cells; c++)
-        cost[c] = MARGIN_NONE;
+    OWNED(mem_release) uint64_t *border = search.border = mem_new(mask_bytes(&scene->grid));
+    uint16_t(*const pair)[2] = search.pair = mem_array(cells, sizeof *pair);
+    search.starved |= !pair || !border;
     if (!search.starved) {
+        memset(pair, 0, cells * sizeof *pair);
         for (struct grid_walk w = scene_walk(scene, "borders of labels", NULL, 0);
              grid_walk_next(&w);)
             for (uint32_t c = w.row.first; c < w.row.end; c++) {
@@ -162,19 +184,23 @@ enum err margin_new(uint16_t **margin, const struct forest *forest, struct fault
                 begin_at(&search, c);
             }
         struct task task = task_begin(scene->watch, "margins", scene->grid.voxels);
-        serve(&search, pass_on, cost, sizeof *cost, &task);
+        serve(&search, pass_on, pair, sizeof *pair, &task);
     }
     const enum err err = search_end(&search, "the margins", fault);
     if (err) {
-        free(cost);
+        free(pair);
         return err;
     }
+    uint16_t *const result = (uint16_t *)pair; /* begins where the pairs begin */
     for (size_t c = 0; c < cells; c++) {
-        const uint32_t own = key_cost(scene->cell[c].key);
-        if (cost[c] != MARGIN_NONE)
-            cost[c] = (uint16_t)(cost[c] > own ? cost[c] - own : 0);
+        const struct cell *cell = scene->cell + c;
+        const uint32_t own = key_cost(cell->key), other = pair[c][COST];
+        const bool has = cell_is_reached(cell) && other != MARGIN_NONE;
+        scene_fetch_ahead(scene, c);
+        result[c] = (uint16_t)(!has ? MARGIN_NONE : other > own ? other - own : 0);
     }
-    *margin = cost;
+    uint16_t *const shorter = realloc(result, cells * sizeof *result);
+    *margin = shorter ? shorter : result;
     return OK;
 }
 

@@ -16,7 +16,7 @@
  *     C'(t) = min over neighbours s of max(w(s, t), L(s) = L(t) ? C'(s) : C(s))
  *
  * and one pass over costs, from the borders of labels inwards, solves it: in about the time of a
- * run from scratch, with two bytes a cell.
+ * run from scratch, with four bytes a cell.
  *
  * This holds while w does not depend on the label of the path, so not under ARC_POLARITY. If seeds
  * have reaches (engine/brush.h), C is the cost in the forest, and C' solves this equation from
