@@ -144,9 +144,19 @@ bool mem_pages_resize(void *array, size_t from, size_t to)
     memcpy(&former, array, sizeof former);
     if (to > from && !is_allowed(to - from))
         return false;
+#ifdef __SANITIZE_THREAD__
+    /* ThreadSanitizer does not see mremap: it would report another thread's later use of the former
+     * addresses as a race. */
+    pages = mem_pages(to);
+    if (!pages)
+        return false;
+    memcpy(pages, former, from < to ? from : to);
+    mem_pages_free(former, from);
+#else
     pages = mremap(former, from, to, MREMAP_MAYMOVE);
     if (pages == MAP_FAILED)
         return false;
+#endif
     if (from < HUGE_FROM && to >= HUGE_FROM)
         madvise(pages, to, MADV_HUGEPAGE);
     memcpy(array, &pages, sizeof pages);

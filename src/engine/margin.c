@@ -71,7 +71,7 @@ typedef void look_around(struct search *s, uint32_t cell, uint32_t cost);
 static inline __attribute__((always_inline)) void
 serve(struct search *s, look_around *look, const void *values, size_t bytes, struct task *task)
 {
-    enum { TAKEN = 64, AHEAD = 8 };
+    enum { TAKEN = 256, AHEAD = 8 };
     uint64_t lowest;
     while ((lowest = queue_lowest(s->queue)) != QUEUE_EMPTY && !s->starved) {
         const uint32_t cost = (uint32_t)lowest >> 16;

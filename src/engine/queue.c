@@ -10,8 +10,8 @@ enum {
     GROUP_COSTS = 256,
     GROUPS = 65536 / GROUP_COSTS,
     HOPS = 65536,
-    CHUNK_ENTRIES = 62, /* even; with the two words before them 256 bytes, four cache lines */
-    PAGE_CHUNKS = 16,   /* in 4096 bytes */
+    CHUNK_ENTRIES = 254, /* even; with the two words before them 1024 bytes */
+    PAGE_CHUNKS = 4,     /* in 4096 bytes */
 };
 
 struct chunk {

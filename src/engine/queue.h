@@ -44,7 +44,7 @@ uint64_t queue_lowest(const struct queue *queue);
 /* Serve a level from now on. It must not be above queue_lowest. */
 void queue_serve(struct queue *queue, uint32_t level);
 
-/* Remove up to `capacity` (at least 62) entries of the level being served; 0 if there are no
+/* Remove up to `capacity` (at least 254) entries of the level being served; 0 if there are no
  * more. */
 size_t queue_take(struct queue *queue, uint32_t *cells, size_t capacity);
 
