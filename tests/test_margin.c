@@ -46,6 +46,29 @@ STORY(where_one_label_is_alone_there_is_no_margin)
     world_free(&w);
 }
 
+/* The seed at 2,0 is only offered the 9 that label 1 pays in 1,0: that the seed at 0,0 would pay 1
+ * there is of no use to it, as they have the same label. */
+STORY(a_cost_beyond_a_reach_is_passed_on_within_a_label_alone)
+{
+    OWNED(mem_release) uint16_t *margin = NULL;
+    const struct reach exact = {.radius = REACH_EXACT};
+    uint16_t reach;
+    w = world_new(3, 3, 1, 6);
+    const struct grid *grid = &w.scene->grid;
+    for (uint32_t x = 0; x < 3; x++)
+        for (uint32_t y = 0; y < 3; y++)
+            w.scene->cell[grid_cell(grid, x, y, 0)].weight = y ? 9 : 1;
+    CHECK(forest_add_reach(w.forest, &exact, &reach, NULL) == OK);
+    const struct edit seed[] = {{grid_cell(grid, 0, 0, 0), 2, reach},
+                                {grid_cell(grid, 2, 0, 0), 2, reach},
+                                {grid_cell(grid, 1, 2, 0), 1, 0}};
+    CHECK(forest_edit(w.forest, seed, 3, NULL) == OK);
+    CHECK(margin_new(&margin, w.forest, NULL) == OK);
+    CHECK_INT(margin[grid_cell(grid, 1, 0, 0)], 0);
+    CHECK_INT(margin[grid_cell(grid, 2, 0, 0)], 9);
+    world_free(&w);
+}
+
 STORY(arcs_that_depend_on_the_label_are_refused)
 {
     const struct arc_rule arcs = {.kind = ARC_POLARITY};

@@ -6,7 +6,6 @@
 
 #include "base/mem.h"
 #include "engine/queue.h"
-#include "engine/roi.h"
 
 enum { VALUE, COST };
 
@@ -26,7 +25,7 @@ struct search {
      * and COST, of the best path from another label, or MARGIN_NONE. Cells have four times as many
      * bytes, and most of the time is spent waiting for them. */
     uint16_t (*pair)[2];
-    uint64_t *border; /* bits: cells with a neighbour of another label */
+    bool has_reaches; /* seeds have: then C' may be below C */
     uint32_t *after; /* for a rival, [grid.cells]: 1 plus the greatest weight from there on; or 0 */
     struct rival *rival;
     uint8_t label; /* the label whose rival is searched */
@@ -119,7 +118,6 @@ static void begin_at(struct search *search, uint32_t t)
         const uint32_t w = arc_weight_now(search->arcs, from, cell), has = key_cost(from->key);
         const uint32_t offer = w > has ? w : has;
         best = offer < best ? offer : best;
-        search->border[t >> 6] |= UINT64_C(1) << (t & 63);
     }
     search->pair[t][VALUE] = search->arcs->kind == ARC_TARGET ? cell->weight : cell->intensity;
     search->pair[t][COST] = (uint16_t)best;
@@ -128,14 +126,14 @@ static void begin_at(struct search *search, uint32_t t)
 }
 
 /* Offer the final cost of s to neighbours of the same label. The outcome is hard to predict, so
- * there is no branch. */
+ * there is no branch. Neighbours of another label have had the offer of C(s), which is not above
+ * that of C'(s), unless seeds have reaches. */
 static inline void pass_on(struct search *search, uint32_t s, uint32_t here)
 {
     const struct adjacency *adjacency = search->adjacency;
     const struct cell *cell = search->scene->cell;
     const uint16_t *own = search->pair[s];
     const bool is_target = search->arcs->kind == ARC_TARGET;
-    const bool is_border = search->border[s >> 6] >> (s & 63) & 1;
     struct waiting rise[26];
     size_t rises = 0;
     if (own[COST] != here)
@@ -150,7 +148,7 @@ static inline void pass_on(struct search *search, uint32_t s, uint32_t here)
         const uint32_t w = is_target ? to[VALUE] : (uint32_t)(rising < 0 ? -rising : rising);
         const uint32_t offer = w > here ? w : here;
         bool takes = offer < to[COST];
-        if (takes & is_border)
+        if (takes & search->has_reaches)
             takes = cell[t].label == cell[s].label;
         to[COST] = (uint16_t)(takes ? offer : to[COST]);
         search->level[search->count] = t;
@@ -172,9 +170,9 @@ enum err margin_new(uint16_t **margin, const struct forest *forest, struct fault
                          "there is no margin under `weight polarity`, where the cost of a step "
                          "depends on the label; expected another weight; nothing was written");
     struct search search = search_begin(forest);
-    OWNED(mem_release) uint64_t *border = search.border = mem_new(mask_bytes(&scene->grid));
+    search.has_reaches = forest_limited_seeds(forest) > 0;
     uint16_t(*const pair)[2] = search.pair = mem_array(cells, sizeof *pair);
-    search.starved |= !pair || !border;
+    search.starved |= !pair;
     if (!search.starved) {
         memset(pair, 0, cells * sizeof *pair);
         for (struct grid_walk w = scene_walk(scene, "borders of labels", NULL, 0);
