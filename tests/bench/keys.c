@@ -54,9 +54,16 @@ enum {
     TURN,
     ZOOM,
     SEED,
+    WINDOW,
+    MAGNIFY,
+    LOAD,
+    DRAG,
+    DROP,
+    PLANT,
     HELD_MOVE,
     HELD_SLICE,
     HELD_TURN,
+    HELD_DRAG,
     IDLE,
     STEP,
     BACK,
@@ -70,9 +77,16 @@ static const struct words key_words[KINDS] = {
     [TURN] = {"turn", "r: turning the rendition"},
     [ZOOM] = {"zoom", "z: the rendition nearer"},
     [SEED] = {"seed", "s: a seed and its run"},
+    [WINDOW] = {"window", "w: the window wider"},
+    [MAGNIFY] = {"magnify", "]: slices larger"},
+    [LOAD] = {"outline", "U: the outline of a label"},
+    [DRAG] = {"outline_drag", "l: dragging it by a voxel"},
+    [DROP] = {"outline_drop", "Escape: dropping it"},
+    [PLANT] = {"outline_plant", "Enter: planting it"},
     [HELD_MOVE] = {"held_move", "l held: frames a second"},
     [HELD_SLICE] = {"held_slice", "K held: frames a second"},
     [HELD_TURN] = {"held_turn", "r held: frames a second"},
+    [HELD_DRAG] = {"held_drag", "l held, dragging: frames a second"},
     [IDLE] = {"idle", "no key for ten seconds"},
     [STEP] = {"step", "watching: a step on"},
     [BACK] = {"step_back", "watching: a step back"}};
@@ -212,6 +226,29 @@ static struct key_figures plant(struct far_end *e, unsigned keys)
     return medians(&pressed);
 }
 
+/* Loads the outline of the label, drags it by three voxels and drops it, or plants it, which is
+ * undone. */
+static void outline(struct far_end *e, unsigned keys, struct key_figures out[KINDS])
+{
+    struct pressed load = {.keys = 0}, drag = {.keys = 0}, end[2] = {{.keys = 0}};
+    press(e, "1b", frame);
+    press(e, "gc", frame);
+    for (unsigned i = 0; i < keys; i++) {
+        timed_press(e, "U", &load);
+        press(e, "v", frame);
+        for (unsigned k = 0; k < 3; k++)
+            timed_press(e, i % 2 ? "h" : "l", &drag);
+        press(e, "v", frame);
+        timed_press(e, i % 2 ? "\r" : "\033", &end[i % 2]);
+        if (i % 2)
+            press(e, "u", frame);
+    }
+    out[LOAD] = medians(&load);
+    out[DRAG] = medians(&drag);
+    out[DROP] = medians(&end[0]);
+    out[PLANT] = medians(&end[1]);
+}
+
 static struct key_figures hold(struct far_end *e, const char *key)
 {
     struct far_result result;
@@ -245,9 +282,21 @@ static void press_all(struct far_end *e, unsigned keys, struct key_figures out[K
     out[TURN] = press_in_turn(e, "r", "r", keys);
     out[ZOOM] = press_in_turn(e, "z", "Z", keys);
     out[SEED] = plant(e, keys / 2);
+    press(e, "w", frame);
+    out[WINDOW] = press_in_turn(e, "\033[C", "\033[C", keys);
+    press(e, "\r", frame);
+    out[MAGNIFY] = press_in_turn(e, "]", "]", keys);
+    press(e, "W", frame);
+    outline(e, 4, out);
     out[HELD_MOVE] = hold(e, "l");
     out[HELD_SLICE] = hold(e, "K");
     out[HELD_TURN] = hold(e, "r");
+    press(e, "gc", frame);
+    press(e, "U", frame);
+    press(e, "v", frame);
+    out[HELD_DRAG] = hold(e, "l");
+    press(e, "\033", frame);
+    press(e, "\033", frame);
     out[IDLE] = rest(e);
 }
 
@@ -300,7 +349,7 @@ static struct buf stored;
 
 static bool is_held(int kind)
 {
-    return kind >= HELD_MOVE && kind <= HELD_TURN;
+    return kind >= HELD_MOVE && kind <= HELD_DRAG;
 }
 
 /* False where the first run had no such row. */
