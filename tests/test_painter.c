@@ -983,6 +983,48 @@ STORY(half_blocks_in_all_colours_show_every_pixel)
         }
 }
 
+/* Contours, cross-hair and marks are a pixel wide, and a part has up to twelve pixels. */
+STORY(lines_over_a_slice_keep_their_colour_in_cells_of_text)
+{
+    enum { COLUMNS = 10, ROWS = 5, LINE = 0xFC961E, MARK = 0xFFFFFF };
+    static uint8_t words[SIDE_MOST * SIDE_MOST];
+    static const uint32_t parts[][2] = {{1, 2}, {2, 2}, {2, 3}};
+    for (unsigned i = 0; i < 3 * 50; i++) {
+        struct terminal_facts facts = facts_of(&graphics_halves, 8, 16);
+        struct block cell[ROWS][COLUMNS];
+        uint64_t seed = i;
+        uint32_t width, height;
+        facts.shape = (enum block_shape)(i / 50);
+        begin_at(&facts, 0, 0, COLUMNS, ROWS);
+        painter_size(&painter, &width, &height);
+        struct image_view view = picture(width, height);
+        const struct raster_box slice = {0, 0, width, height};
+        const uint32_t at = check_below(&seed, width);
+        memset(words, 0, sizeof words);
+        for (uint32_t p = 0; p < width * height; p++) {
+            below[p] = (uint8_t)check_below(&seed, 256);
+            words[p] = i % 2 && p % width == at;
+            put(p, (i % 2 ? check_below(&seed, 1 << 24) : below[p] * UINT32_C(0x010101)));
+            if (p % width == at)
+                put(p, i % 2 ? MARK : LINE);
+            else if (p % width == at + 1) /* a dark line next to it */
+                put(p, below[p] / 4 * UINT32_C(0x010101));
+        }
+        view.below = below;
+        view.slice = &slice;
+        view.slices = i % 2 == 0;
+        view.words = words;
+        blocks_fill(cell[0], COLUMNS, &view, &facts);
+        const uint32_t *part = parts[facts.shape], all = part[0] * part[1];
+        for (uint32_t k = 0; k < ROWS * all; k++) {
+            const struct block *b = &cell[k / all][at * COLUMNS / width];
+            const uint32_t bit =
+                k % all / part[0] * part[0] + at * COLUMNS * part[0] / width % part[0];
+            CHECK_INT(b->parts >> bit & 1 ? b->ink : b->paper, i % 2 ? MARK : LINE);
+        }
+    }
+}
+
 /* The squared error of six colours in two sets, each to its mean. */
 static double error_of(const uint32_t colour[6], unsigned parts)
 {

@@ -116,16 +116,25 @@ static struct slice_choice slice_of(const struct panes *p, const struct session 
 
 /* ---- marks ---- */
 
+/* Draw a line, upright or across, that stays sharp in coarse pictures as words do. */
+static void mark_line(const struct canvas *canvas, int64_t left, int64_t top, int64_t width,
+                      int64_t height)
+{
+    canvas_box(canvas, left, top, width, height, white);
+    for (int64_t y = top; y < top + height; y++)
+        for (int64_t x = left; x < left + width; x++)
+            if (x >= 0 && y >= 0 && x < canvas->width && y < canvas->height)
+                canvas->words[(size_t)y * canvas->stride + (size_t)x] = 1;
+}
+
 /* Draw a cross of short lines around a pixel. */
 static void mark_point(const struct canvas *canvas, int64_t column, int64_t row, int gap)
 {
     enum { ARM = 6 };
-    for (int i = gap; i < gap + ARM; i++) {
-        canvas_dot(canvas, column - i, row, white);
-        canvas_dot(canvas, column + i, row, white);
-        canvas_dot(canvas, column, row - i, white);
-        canvas_dot(canvas, column, row + i, white);
-    }
+    mark_line(canvas, column - gap - ARM + 1, row, ARM, 1);
+    mark_line(canvas, column + gap, row, ARM, 1);
+    mark_line(canvas, column, row - gap - ARM + 1, 1, ARM);
+    mark_line(canvas, column, row + gap, 1, ARM);
 }
 
 /* Find the pixel of a voxel in a slice, or of its projection onto it. False outside the box. */
@@ -362,10 +371,10 @@ enum err panes_draw(struct panes *p, struct session *session, const struct pilot
     if (!wish->is_alone) {
         const int64_t left = box[wish->pane].left, top = box[wish->pane].top,
                       width = box[wish->pane].width, height = box[wish->pane].height;
-        canvas_box(&p->canvas, left, top, width, 1, yellow);
-        canvas_box(&p->canvas, left, top + height - 1, width, 1, yellow);
-        canvas_box(&p->canvas, left, top, 1, height, yellow);
-        canvas_box(&p->canvas, left + width - 1, top, 1, height, yellow);
+        mark_line(&p->canvas, left, top, width, 1);
+        mark_line(&p->canvas, left, top + height - 1, width, 1);
+        mark_line(&p->canvas, left, top, 1, height);
+        mark_line(&p->canvas, left + width - 1, top, 1, height);
     }
     if (wish->words && !panes_have_object(session))
         draw_lines(&p->canvas, &box[PILOT_RENDITION], line);

@@ -15,6 +15,10 @@
  *
  * A cell counts as half as wide as it is high, as nearly all are. So that pixels are square, a cell
  * has 1x2, 2x4 or 6x12 of them, and each part is the mean of its own.
+ *
+ * Lines over a slice, contours, cross-hair, marks and frame, are thinner than a part: a mean would
+ * hide them. So a part with a line has the line's colour alone, and a cell with lines has them in
+ * one of its two colours, and all else in the other.
  */
 #include <limits.h>
 #include <stdlib.h>
@@ -92,23 +96,68 @@ static void cell_pixels(const struct terminal_facts *facts, uint32_t *width, uin
     *height = 2 * *width;
 }
 
-/* Return the mean of a part's pixels; pixels outside the view are black. */
-static uint32_t part_colour(const struct image_view *view, uint32_t left, uint32_t top,
-                            uint32_t width, uint32_t height)
+/* A part of a cell: the mean of its pixels, or of those of lines, and how far these differ from the
+ * slice below them: 0 without lines. */
+struct part {
+    uint32_t colour, contrast;
+};
+
+/* Return the contrast of a pixel, 1..255, if it belongs to a line: it has a colour over the grey of
+ * a slice, is much brighter, or is a mark. Darker greys next to a line are no part of it. */
+static uint32_t contrast_at(const struct image_view *view, bool is_slice, size_t at)
 {
-    uint32_t red = 0, green = 0, blue = 0;
-    const uint32_t count = width * height;
-    for (uint32_t y = top; y < top + height && y < view->height; y++)
-        for (uint32_t x = left; x < left + width && x < view->width; x++) {
-            const uint32_t c = image_view_colour(view, (size_t)y * view->width + x);
-            red += c >> 16;
-            green += c >> 8 & 255;
-            blue += c & 255;
-        }
-    if (count == 1)
-        return red << 16 | green << 8 | blue;
-    return (red + count / 2) / count << 16 | (green + count / 2) / count << 8 |
-           (blue + count / 2) / count;
+    enum { BRIGHTER = 24 };
+    const uint8_t *p = view->rgba + 4 * at, below = is_slice ? view->below[at] : 0;
+    const bool is_grey = p[0] == p[1] && p[0] == p[2];
+    uint32_t most = 0;
+    if (view->words && view->words[at])
+        return 255;
+    if (!is_slice || (is_grey && p[0] < below + BRIGHTER))
+        return 0;
+    for (unsigned k = 0; k < 3; k++) {
+        const uint32_t apart = (uint32_t)(p[k] > below ? p[k] - below : below - p[k]);
+        most = apart > most ? apart : most;
+    }
+    return most;
+}
+
+/* Return the smallest contrast of a line. Where all pixels or parts have some, as in a tint, a line
+ * has most of it. */
+static uint32_t least_of_lines(uint32_t least, uint32_t most)
+{
+    return least > 0 ? (2 * most + 2) / 3 : 1;
+}
+
+/* Pixels outside the view are black. */
+static struct part part_of(const struct image_view *view, bool is_slice,
+                           const struct raster_box *box)
+{
+    enum { PIXELS_MOST = 12 };
+    uint32_t contrast[PIXELS_MOST], sum[3] = {0}, count = 0, least_contrast = 255;
+    const uint32_t pixels = box->width * box->height;
+    struct part part = {0, 0};
+    for (uint32_t i = 0; i < pixels; i++) {
+        const uint32_t x = box->left + i % box->width, y = box->top + i / box->width;
+        const bool is_inside = x < view->width && y < view->height;
+        contrast[i] = is_inside ? contrast_at(view, is_slice, (size_t)y * view->width + x) : 0;
+        part.contrast = contrast[i] > part.contrast ? contrast[i] : part.contrast;
+        least_contrast = least(contrast[i], least_contrast);
+    }
+    const uint32_t from = part.contrast ? least_of_lines(least_contrast, part.contrast) : 0;
+    for (uint32_t i = 0; i < pixels; i++) {
+        const uint32_t x = box->left + i % box->width, y = box->top + i / box->width;
+        if (contrast[i] < from)
+            continue;
+        count++;
+        if (x >= view->width || y >= view->height)
+            continue;
+        const uint32_t c = image_view_colour(view, (size_t)y * view->width + x);
+        for (unsigned k = 0; k < 3; k++)
+            sum[k] += c >> (16 - 8 * k) & 255;
+    }
+    for (unsigned k = 0; k < 3; k++)
+        part.colour = part.colour << 8 | (sum[k] + count / 2) / count;
+    return part;
 }
 
 static uint32_t mean_of(const uint32_t sum[3], unsigned set)
@@ -151,7 +200,9 @@ static int32_t number_of(uint32_t colour, enum colours colours)
                                    : (int32_t)colour;
 }
 
-static struct block coloured(const uint32_t *colour, unsigned count, enum colours colours)
+/* The parts in the bits of `lines` get a colour of their own. */
+static struct block coloured(const uint32_t *colour, unsigned count, unsigned lines,
+                             enum colours colours)
 {
     const unsigned all = (1u << count) - 1;
     uint32_t sum[1 << PARTS_MOST][3];
@@ -166,7 +217,9 @@ static struct block coloured(const uint32_t *colour, unsigned count, enum colour
         for (unsigned k = 0; k < 3; k++)
             sum[set][k] =
                 sum[set & (set - 1)][k] + (colour[__builtin_ctz(set)] >> (16 - 8 * k) & 255);
-    if (count > 2)
+    if (lines && lines != all)
+        parts = lines & 1 ? all ^ lines : lines;
+    else if (count > 2)
         parts = best_parts(sum, all);
     const int32_t ink = number_of(mean_of(sum[parts], parts), colours);
     const int32_t paper = number_of(mean_of(sum[all ^ parts], all ^ parts), colours);
@@ -188,23 +241,42 @@ static struct block colourless(const uint32_t *colour, unsigned count)
                           (uint8_t)ink[(light * (sizeof ink - 2) + 127) / 255], 0};
 }
 
+/* Return true if a pixel belongs to a slice, as all of its cell do. */
+static bool is_in_slice(const struct image_view *view, uint32_t x, uint32_t y)
+{
+    bool is_slice = false;
+    for (unsigned i = 0; i < view->slices; i++)
+        is_slice |= x - view->slice[i].left < view->slice[i].width &&
+                    y - view->slice[i].top < view->slice[i].height;
+    return is_slice;
+}
+
 void blocks_fill(struct block *cell, size_t stride, const struct image_view *view,
                  const struct terminal_facts *facts)
 {
     const uint32_t across = cell_of[facts->shape].columns, down = cell_of[facts->shape].rows;
     uint32_t width, height, colour[PARTS_MOST];
     cell_pixels(facts, &width, &height);
+    struct raster_box box = {0, 0, width / across, height / down};
     for (uint32_t top = 0; top < view->height; top += height, cell += stride)
         for (uint32_t left = 0; left < view->width; left += width) {
-            unsigned count = 0;
-            for (uint32_t j = 0; j < down; j++)
-                for (uint32_t i = 0; i < across; i++)
-                    colour[count++] =
-                        part_colour(view, left + i * (width / across), top + j * (height / down),
-                                    width / across, height / down);
+            const bool is_slice = is_in_slice(view, left, top);
+            uint32_t contrast[PARTS_MOST], most = 0, least_contrast = 255;
+            unsigned lines = 0;
+            for (unsigned i = 0; i < across * down; i++) {
+                box.left = left + i % across * box.width;
+                box.top = top + i / across * box.height;
+                const struct part part = part_of(view, is_slice, &box);
+                colour[i] = part.colour;
+                contrast[i] = part.contrast;
+                most = part.contrast > most ? part.contrast : most;
+                least_contrast = least(part.contrast, least_contrast);
+            }
+            for (unsigned i = 0; i < across * down; i++)
+                lines |= (unsigned)(contrast[i] >= least_of_lines(least_contrast, most)) << i;
             cell[left / width] = facts->colours == COLOURS_NONE
-                                     ? colourless(colour, count)
-                                     : coloured(colour, count, facts->colours);
+                                     ? colourless(colour, across * down)
+                                     : coloured(colour, across * down, lines, facts->colours);
         }
 }
 
