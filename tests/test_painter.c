@@ -85,7 +85,7 @@ static struct image_view filled(uint32_t width, uint32_t height, uint64_t *seed)
 
 /* ---- terminals ---- */
 
-enum { CELLS_MOST = 160, PLACEHOLDER = 0x10EEEE };
+enum { CELLS_MOST = 160, PLACEHOLDER = 0x10EEEE, SIXEL_OFF = 2 };
 
 struct glyph {
     uint32_t point;
@@ -407,7 +407,14 @@ static int64_t wrong_pixels(const struct image_view *view)
             uint32_t wanted = beyond ? BLANK : 0;
             if (x < view->width && y < view->height)
                 wanted = expected_at(view, (size_t)y * view->width + x);
-            wrong += wanted != seen[at];
+            if (!painter.is_mixed || x >= view->width || y >= view->height) {
+                wrong += wanted != seen[at];
+                continue;
+            }
+            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
+            wrong += wanted != seen[at] &&
+                     channel_distance(seen[at], colour) >
+                         channel_distance(wanted, colour) + PAINTER_NEAR + SIXEL_OFF;
         }
     return wrong;
 }
@@ -616,6 +623,30 @@ STORY(a_cursor_move_costs_next_to_nothing)
         show(&view);
         memset(pixels + 4 * (100 * 320 + 100), 255, 4);
         CHECK(show_right(&view) < most[g]);
+    }
+}
+
+/* Where another label appears, its palette is sent with the pixels that need it; others stay, up to
+ * PAINTER_NEAR worse. */
+STORY(another_palette_leaves_pixels_that_are_near_it)
+{
+    for (unsigned g = 0; g < WITH_PIXELS; g++) {
+        begin_painter(with_pixels[g], 8, 16, 0, 0, 40, 20);
+        uint64_t seed = 5;
+        struct image_view view = filled(320, 320, &seed);
+        view.hues = 3;
+        const size_t whole = show_right(&view);
+        for (view.hues = 4; view.hues >= 2; view.hues--) { /* a label comes, labels go */
+            for (uint32_t i = 0; i < 900; i++)
+                put((100 + i / 30) * 320 + 100 + i % 30, hues[view.hues - 1]);
+            CHECK(show_right(&view) < whole / 4 && painter.is_mixed);
+            CHECK_INT(seen_pixels()[110 * SIDE_MOST + 110] >> 16,
+                      expected_at(&view, 110 * 320 + 110) >> 16);
+            CHECK_INT(show(&view), 0);
+        }
+        painter_forget(&painter);
+        show_right(&view);
+        CHECK(!painter.is_mixed);
     }
 }
 

@@ -507,7 +507,13 @@ static enum err host_picture(void *context, const struct pilot_wish *wish, struc
     const int label = label_of(context, wish->label);
     if (wish->marks_outline && view->hues < 256 && label >= 0) { /* it may have no voxels yet */
         const uint8_t *rgb = session_of(context)->now.kept.palette.rgb[label];
-        pilot->hue[view->hues++] = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
+        const uint32_t hue = (uint32_t)rgb[0] << 16 | (uint32_t)rgb[1] << 8 | rgb[2];
+        bool is_new = true;
+        for (unsigned i = 0; i < view->hues; i++)
+            is_new &= pilot->hue[i] != hue;
+        if (is_new)
+            pilot->hue[view->hues++] = hue;
+        view->has_tints = true;
     }
     return OK;
 }

@@ -428,16 +428,9 @@ static enum palette_need need_of(const struct painter *p, const struct image_vie
     return view->smooth ? PALETTE_NEVER : PALETTE_EXACT;
 }
 
-/* Return true if patches suffice, with stale->count 0 if nothing has changed. */
-static bool can_patch(struct painter *p, const struct image_view *view, struct stale *stale)
+/* Find the boxes that differ from the shown picture; none, with count 0. */
+static void find_stale(const struct painter *p, struct stale *stale)
 {
-    /* The palette that is there, or none, must suit the picture too. */
-    const enum palette_need need = need_of(p, view);
-    if (!p->is_shown || p->is_whole_next || (need == PALETTE_NEVER && p->has_palette) ||
-        (need == PALETTE_ALWAYS && !p->has_palette) ||
-        (need == PALETTE_EXACT && p->has_palette && !p->shades.is_exact) ||
-        (p->has_palette && !shades_serve(&p->shades, view)) || !fill_raster(p, view))
-        return false;
     const struct raster now = raster_of(p, 1), then = raster_of(p, 0);
     const struct graphics *g = p->facts.graphics;
     const uint32_t tile_width = g->over_cells ? p->facts.cell_width : PIXEL_TILE;
@@ -471,12 +464,60 @@ static bool can_patch(struct painter *p, const struct image_view *view, struct s
     }
     for (unsigned i = 0; i < stale->count; i++)
         stale->cost += cost_of(stale->box[i], box_cost);
-    if (stale->count == 0)
-        return true;
-    const uint64_t all = (uint64_t)p->width * p->height;
-    if (p->has_palette && stale->cost > all / 32 && shades_lack(&p->shades, view))
+}
+
+static uint32_t most_apart(uint32_t a, uint32_t b)
+{
+    uint32_t most = 0;
+    for (unsigned shift = 0; shift < 24; shift += 8) {
+        const uint32_t one = a >> shift & 255, other = b >> shift & 255;
+        const uint32_t apart = one < other ? other - one : one - other;
+        most = apart > most ? apart : most;
+    }
+    return most;
+}
+
+/* Make another palette for the view. Pixels whose shown colour is near that of the view get its
+ * index, so they are not sent again. */
+static bool change_palette(struct painter *p, const struct image_view *view)
+{
+    uint32_t former[SHADES_MOST];
+    memcpy(former, p->shades.colour, sizeof former);
+    if (!shades_choose(&p->shades, view) || !fill_raster(p, view))
         return false;
-    return stale->cost < all / 2;
+    for (uint32_t y = 0; y < view->height; y++)
+        for (uint32_t x = 0; x < view->width; x++) {
+            const size_t at = (size_t)y * p->width + x;
+            uint8_t *then = p->of[0].bytes + at, now = p->of[1].bytes[at];
+            if (*then == RASTER_CLEAR || now == RASTER_CLEAR)
+                continue;
+            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
+            const uint32_t off = most_apart(p->shades.colour[now], colour);
+            *then = most_apart(former[*then], colour) <= off + PAINTER_NEAR ? now : (uint8_t)!now;
+        }
+    p->is_mixed = true;
+    return true;
+}
+
+/* Return true if patches suffice, with stale->count 0 if nothing has changed. */
+static bool can_patch(struct painter *p, const struct image_view *view, struct stale *stale)
+{
+    const enum palette_need need = need_of(p, view);
+    const uint64_t all = (uint64_t)p->width * p->height;
+    if (!p->is_shown || p->is_whole_next || (need == PALETTE_NEVER && p->has_palette) ||
+        (need == PALETTE_ALWAYS && !p->has_palette) ||
+        (need == PALETTE_EXACT && p->has_palette && !p->shades.is_exact))
+        return false;
+    const bool serves = (!p->has_palette || shades_serve(&p->shades, view)) && fill_raster(p, view);
+    if (!serves && (need != PALETTE_ALWAYS || !change_palette(p, view)))
+        return false;
+    find_stale(p, stale);
+    if (p->has_palette && stale->cost > all / 32 && shades_lack(&p->shades, view)) {
+        if (need != PALETTE_ALWAYS || !change_palette(p, view))
+            return false;
+        find_stale(p, stale);
+    }
+    return stale->count == 0 || stale->cost < (view->is_slow ? all : all / 2);
 }
 
 static bool show_whole(struct painter *p, const struct image_view *view, struct buf *out)
@@ -495,7 +536,7 @@ static bool show_whole(struct painter *p, const struct image_view *view, struct 
     const struct raster_box all = {0, 0, p->width, p->height};
     const struct graphics *g = p->facts.graphics;
     p->effort = view->is_slow ? PNG_SLOW_LINE : view->is_coarse ? PNG_FILE : PNG_FAST;
-    p->is_whole_next = false;
+    p->is_whole_next = p->is_mixed = false;
     p->images = 0;
     if (g->whole)
         g->whole(p, &raster, out);

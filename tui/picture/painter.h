@@ -21,10 +21,11 @@
  * boxes fit tightly; where cells are drawn over, boxes are whole cells. Two boxes are joined if
  * that costs no more: each box has a fixed cost, in pixels. Boxes may overlap.
  *
- * Pictures keep their palette (tui/picture/shades.h) until one is sent whole, so patches agree with
- * the pixels around them. A picture is sent whole when it is the first, or of another size, when
- * its hues or `smooth` change, when half of its pixels have changed, and when a protocol holds too
- * many parts.
+ * Pictures keep their palette (tui/picture/shades.h) as long as it serves, so patches agree with
+ * the pixels around them. When the hues need another palette, pixels that the new one would not
+ * show better by more than PAINTER_NEAR are not sent again. A picture is sent whole when it is the
+ * first, or of another size, when `smooth` changes, when half of its pixels have changed, on a slow
+ * line all of them, and when a protocol holds too many parts.
  *
  * Only one painter shows a picture on a terminal. Cells count from 0. Pictures leave the last row
  * of the screen free: several terminals scroll when a sixel ends there.
@@ -89,6 +90,8 @@ struct strips {
     size_t greys_capacity;
 };
 
+enum { PAINTER_NEAR = 6 }; /* steps of a channel, 255 in all */
+
 struct painter_picture {
     uint8_t *bytes; /* palette indices, colours, or cells */
     size_t capacity;
@@ -100,7 +103,7 @@ struct painter {
     bool is_shown;                /* the screen shows of[0] */
     struct painter_picture of[2]; /* the last one, and the next */
     uint32_t width, height; /* shown picture, extended to whole cells where cells are drawn over */
-    bool has_palette;
+    bool has_palette, is_mixed; /* some pixels have the colours of a former palette */
     struct shades shades;
 
     struct strips kept;            /* parts of slices that the terminal has */

@@ -401,7 +401,7 @@ static void sample_colours(const struct image_view *view, const uint32_t *hue, u
             tints++;
     }
     *has_greys = greys * 32 > seen;
-    *has_tints = tints * 32 > seen;
+    *has_tints = view->has_tints || tints * 32 > seen;
 }
 
 /* More than 64 greys, or much the same of any hue, the table could not distinguish. */

@@ -17,9 +17,9 @@
  *   S3 a picture of few colours, text for instance, has exactly these ("exact").
  *
  * Many hues share the entries: hues that are darker versions of another use its levels. Tints have
- * levels only if a sample of the pixels has some. If no hues are known, or too many for more than a
- * few levels each, the colours are chosen for the picture, and replaced when another picture needs
- * others.
+ * levels only if the view says so or a sample of the pixels has some. If no hues are known, or too
+ * many for more than a few levels each, the colours are chosen for the picture, and replaced when
+ * another picture needs others.
  */
 #ifndef TUI_PICTURE_SHADES_H
 #define TUI_PICTURE_SHADES_H
