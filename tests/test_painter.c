@@ -666,6 +666,25 @@ STORY(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count)
     CHECK_WITH(bytes[1] < bytes[0] * 3 / 4, "%zu bytes coarse, %zu otherwise", bytes[1], bytes[0]);
 }
 
+/* Greys with noise, as in a slice of a head. */
+STORY(sixel_takes_fewer_bytes_on_a_slow_line)
+{
+    uint64_t seed = 12;
+    size_t bytes[2];
+    struct image_view view = picture(320, 320);
+    view.hues = 0;
+    for (uint32_t i = 0; i < 320 * 320; i++)
+        put(i, i < 300 ? i * 0x010203 : /* too many colours for an exact palette */
+                   (50 + i % 320 / 2 + i / 320 / 16 + check_below(&seed, 12)) * UINT32_C(0x010101));
+    for (unsigned is_slow = 0; is_slow < 2; is_slow++) {
+        begin_painter(&graphics_sixel, 8, 16, 0, 0, 40, 20);
+        view.is_slow = is_slow;
+        bytes[is_slow] = show_right(&view);
+    }
+    CHECK_WITH(bytes[1] < bytes[0] * 2 / 5, "%zu bytes on a slow line, %zu otherwise", bytes[1],
+               bytes[0]);
+}
+
 STORY(a_large_patch_for_kitty_goes_in_chunks)
 {
     begin_painter(&graphics_kitty, 8, 16, 0, 0, 40, 20);

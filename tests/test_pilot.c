@@ -1486,6 +1486,23 @@ STORY(with_little_room_it_is_coarse_first_and_fine_in_the_end)
     }
 }
 
+/* So that neighbours are often equal. */
+STORY(the_coarsest_tiles_have_few_levels)
+{
+    OWNED(refine_release) struct refine r = {0};
+    struct image_view shown;
+    uint64_t seed = 3;
+    bool is_there[256] = {false};
+    unsigned levels = 0;
+    paint(&seed, 0, 0, WIDTH, HEIGHT);
+    CHECK(refine_begin(&r, &view, true, 1, &shown) && r.level == REFINE_LEVELS - 1);
+    for (size_t i = 0; i < 4 * WIDTH * HEIGHT; i++)
+        is_there[shown.rgba[i]] = true;
+    for (unsigned i = 0; i < 256; i++)
+        levels += is_there[i];
+    CHECK(levels <= 8 && is_there[255]);
+}
+
 STORY(what_tiles_cost_is_learnt)
 {
     OWNED(refine_release) struct refine r = {0};

@@ -39,9 +39,10 @@ struct image_view {
     unsigned slices;                 /* and nowhere if this is 0 */
     const struct image_strip *strip; /* [strips], by painter_keep: strips of these boxes */
     unsigned strips;
-    bool is_coarse; /* changes come in blocks of pixels: bytes cost more than time */
-    bool is_slow;   /* the line is slow: bytes cost more than time */
-    bool is_hasty;  /* drawn in a hurry: with more time there is a better picture */
+    bool is_coarse;     /* changes come in blocks of pixels: bytes cost more than time */
+    bool is_slow;       /* the line is slow: bytes cost more than time */
+    bool has_few_greys; /* by the painter: SHADES_GREYS_FEW are enough */
+    bool is_hasty;      /* drawn in a hurry: with more time there is a better picture */
     /* Send all 24 bits of every colour if the terminal can, at several times the bytes; otherwise
      * shades are rounded to a palette (tui/picture/shades.h). */
     bool smooth;

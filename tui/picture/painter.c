@@ -662,6 +662,7 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
         return true;
     if (p->holder && p->holder != g)
         painter_remove(p, out);
+    fitting.has_few_greys = view->is_slow && g->palette_always;
     const bool fine = cut_view(&fitting, width, height, &copy) &&
                       (g->show ? g->show(p, &fitting, out) : show_pixels(p, &fitting, out));
     if (fine) {

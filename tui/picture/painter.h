@@ -65,7 +65,7 @@
  * A protocol supports this if its row has a `struct keeping`.
  */
 enum {
-    STRIPS_GREYS = 64,
+    STRIPS_GREYS = 40,
     STRIPS_KEY = 32,               /* bytes of a SHA-256 */
     STRIPS_MOST = 96,              /* in one picture; a view with more keeps nothing */
     STRIPS_EACH_PIXELS = 12000,    /* about: some 4 kB, the longest that a key waits for */

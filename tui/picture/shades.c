@@ -470,12 +470,18 @@ static bool choose_colours(struct shades *s, const struct image_view *view)
     if (are_crowded(s))
         return (!is_new && s->is_suited && are_near(s, view)) || take_colours(s, view);
     sample_colours(view, s->hue, s->hues, &has_greys, &has_tints);
-    if (!is_new && s->is_laddered && s->has_greys == has_greys && s->has_tints == has_tints)
+    if (!is_new && s->is_laddered && s->has_greys == has_greys && s->has_tints == has_tints &&
+        s->has_few_greys == view->has_few_greys)
         return true;
     s->has_greys = has_greys;
     s->has_tints = has_tints;
-    const unsigned share = 256 / (s->hues + 1);
-    const unsigned greys = !s->has_greys ? GREYS_LEAST : share > 64 ? 64 : share < 16 ? 16 : share;
+    s->has_few_greys = view->has_few_greys;
+    const unsigned share = 256 / (s->hues + 1),
+                   wanted = view->has_few_greys ? SHADES_GREYS_FEW : 64;
+    const unsigned greys = !s->has_greys     ? GREYS_LEAST
+                           : share >= wanted ? wanted
+                           : share < 16      ? 16
+                                             : share;
     const unsigned each = s->hues ? (SHADES_MOST - 1 - ACCENTS - greys) / s->hues : 0;
     const unsigned most = each < 2 ? 2 : each > RUNGS_MOST ? RUNGS_MOST : each;
     const unsigned tints = s->has_tints ? most * 3 / 8 : 0;
@@ -531,6 +537,8 @@ bool shades_serve(const struct shades *s, const struct image_view *view)
     if (s->is_exact)
         return true;
     if (s->count == 0 || (s->is_laddered && !view->hue))
+        return false;
+    if (s->is_laddered && view->has_few_greys && !s->has_few_greys)
         return false;
     return !view->hue || ((are_crowded(s) ? s->is_suited : s->is_laddered) && given == s->givens &&
                           memcmp(s->given, view->hue, given * sizeof *s->given) == 0);

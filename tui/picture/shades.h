@@ -30,6 +30,7 @@
 #include "tui/picture/image_view.h"
 
 enum { SHADES_MOST = 250, SHADES_HUES_MOST = 256 }; /* colours that every sixel terminal has */
+enum { SHADES_GREYS_FEW = 24 };                     /* on a slow line, if that saves bytes */
 
 struct shades {
     uint32_t colour[SHADES_MOST]; /* 0xRRGGBB */
@@ -42,7 +43,7 @@ struct shades {
     /* hues that the palette was made for, and those of them in use */
     uint32_t given[SHADES_HUES_MOST], hue[SHADES_HUES_MOST];
     unsigned givens, hues;
-    bool has_greys, has_tints;
+    bool has_greys, has_tints, has_few_greys;
     /* Mean error of the palette for the picture that it was made for, if it has no ladders. */
     uint32_t off;
 };

@@ -13,6 +13,9 @@
  * ones too: terminals treat unpainted pixels differently; but none below the last row, where the
  * last band has more. Colours are whole percents, so a channel may be up to 1 of 255 off. Only
  * colours that occur are declared, with new numbers, so each picture is complete in itself.
+ *
+ * On a slow line a colour may also paint pixels that a later colour of the band paints over, which
+ * joins its runs: the colours with most runs come first. Slices of a head take half the bytes.
  */
 #include <string.h>
 
@@ -33,10 +36,12 @@ struct sixel_run {
 struct band {
     struct sixel_run *run;
     uint32_t runs;
-    uint32_t first[COLOURS], last[COLOURS]; /* runs of each colour */
-    uint8_t used[COLOURS];                  /* the colours of this band */
+    uint32_t first[COLOURS], last[COLOURS], count[COLOURS]; /* runs of each colour */
+    uint8_t used[COLOURS];                                  /* the colours of this band */
     unsigned used_count;
     bool is_used[COLOURS];
+    uint8_t
+        *painted; /* [width] bits of the colours so far; NULL: each paints its own pixels alone */
 };
 
 /* ---- runs ---- */
@@ -47,6 +52,7 @@ static void add_run(struct band *band, uint8_t colour, uint8_t bits, uint32_t fr
         band->is_used[colour] = true;
         band->used[band->used_count++] = colour;
         band->first[colour] = band->runs;
+        band->count[colour] = 0;
     } else {
         struct sixel_run *last = &band->run[band->last[colour]];
         if (last->to == from && last->bits == bits) {
@@ -55,6 +61,7 @@ static void add_run(struct band *band, uint8_t colour, uint8_t bits, uint32_t fr
         }
         last->next = band->runs;
     }
+    band->count[colour]++;
     band->last[colour] = band->runs;
     band->run[band->runs++] = (struct sixel_run){from, to, NONE, bits};
 }
@@ -125,7 +132,44 @@ static char *put_run(char *place, uint8_t bits, uint32_t run)
     return place;
 }
 
-static void write_band(const struct band *band, const uint8_t *number, struct buf *out)
+/* Write a colour in as few runs as possible, of the bits `all`. Columns join a run as long as one
+ * pattern has all that they must have, and nothing that was painted before. */
+static char *put_joined(char *place, const struct band *band, uint8_t colour, uint8_t all)
+{
+    uint32_t begin = 0, x = 0;
+    uint8_t least = 0, most = all;
+    for (uint32_t j = band->first[colour]; j != NONE; j = band->run[j].next) {
+        const struct sixel_run *run = &band->run[j];
+        for (; x < run->to; x++) {
+            const uint8_t must = x < run->from ? 0 : run->bits;
+            const uint8_t may = (uint8_t)(all & ~band->painted[x]);
+            if ((least | must) & ~(most & may)) {
+                place = put_run(place, least, x - begin);
+                begin = x;
+                least = 0;
+                most = all;
+            }
+            least |= must;
+            most &= may;
+            band->painted[x] |= must;
+        }
+    }
+    return put_run(place, least, x - begin);
+}
+
+/* Put the colours with most runs first. */
+static void sort_colours(struct band *band)
+{
+    for (unsigned i = 1; i < band->used_count; i++) {
+        const uint8_t colour = band->used[i];
+        unsigned k = i;
+        for (; k > 0 && band->count[band->used[k - 1]] < band->count[colour]; k--)
+            band->used[k] = band->used[k - 1];
+        band->used[k] = colour;
+    }
+}
+
+static void write_band(struct band *band, const uint8_t *number, uint8_t all, struct buf *out)
 {
     enum { RUN_MOST = 2 * 12, COLOUR_MOST = 5 }; /* bytes, with the gap before it */
     char *begin =
@@ -133,11 +177,17 @@ static void write_band(const struct band *band, const uint8_t *number, struct bu
     if (!begin)
         return;
     char *end = begin;
+    if (band->painted)
+        sort_colours(band);
     for (unsigned i = 0; i < band->used_count; i++) {
         if (i > 0)
             *end++ = '$';
         *end++ = '#';
         end = put_number(end, number[band->used[i]]);
+        if (band->painted) {
+            end = put_joined(end, band, band->used[i], all);
+            continue;
+        }
         uint32_t x = 0;
         for (uint32_t j = band->first[band->used[i]]; j != NONE; j = band->run[j].next) {
             const struct sixel_run *run = &band->run[j];
@@ -160,13 +210,14 @@ static void once(struct painter *p, const struct raster *raster, struct buf *out
     uint8_t number[RASTER_COLOURS_MOST];
     uint32_t used[RASTER_COLOURS_MOST];
     struct band band;
+    const size_t runs = (size_t)raster->width * BAND * sizeof *band.run;
     if (raster->width > UINT32_MAX / BAND ||
-        !mem_grow(&p->scratch, &p->scratch_capacity,
-                  (size_t)raster->width * BAND * sizeof *band.run, 1)) {
+        !mem_grow(&p->scratch, &p->scratch_capacity, runs + raster->width, 1)) {
         out->failed = true;
         return;
     }
     band.run = p->scratch;
+    band.painted = p->effort == PNG_SLOW_LINE ? (uint8_t *)p->scratch + runs : NULL;
     buf_printf(out, "\033P0;1q\"1;1;%u;%u", raster->width, raster->height);
     const unsigned colours = raster_used(raster, number, used, NULL);
     for (unsigned i = 0; i < colours; i++)
@@ -181,6 +232,8 @@ static void once(struct painter *p, const struct raster *raster, struct buf *out
         band.runs = 0;
         band.used_count = 0;
         memset(band.is_used, 0, sizeof band.is_used);
+        if (band.painted)
+            memset(band.painted, 0, width);
         while (x < width) {
             if (x + 8 <= width && is_flat(top + x, stride, rows)) {
                 add_run(&band, top[x], (uint8_t)((1u << rows) - 1), x, x + 8);
@@ -189,7 +242,7 @@ static void once(struct painter *p, const struct raster *raster, struct buf *out
                 gather_column(&band, top, stride, rows, x++);
             }
         }
-        write_band(&band, number, out);
+        write_band(&band, number, (uint8_t)((1u << rows) - 1), out);
         if (y + rows < raster->height)
             buf_add_char(out, '-');
     }

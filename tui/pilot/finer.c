@@ -7,8 +7,9 @@
 #include "base/least.h"
 #include "base/mem.h"
 
-enum { GAP_MOST = 6 };   /* tiles */
-enum { LEVEL_BITS = 5 }; /* bits of a channel, in coarse tiles */
+enum { GAP_MOST = 6 }; /* tiles */
+/* Levels of a channel in coarse tiles; in the coarsest so few that neighbours are often equal. */
+enum { COARSEST = 1 << (REFINE_LEVELS - 1), LEVELS = 32, LEVELS_OF_COARSEST = 8 };
 
 /* Bytes per tile before any frame was sent: about the size in palette pictures. */
 static const double cost_at_first[REFINE_LEVELS] = {160, 70, 35, 22, 10};
@@ -57,11 +58,10 @@ static void copy_block(struct refine *r, const struct image_view *wanted, uint32
                        uint32_t top, uint32_t coarse)
 {
     const size_t middle = middle_of(r, wanted, left, top, coarse);
+    const unsigned levels = coarse < COARSEST ? LEVELS : LEVELS_OF_COARSEST;
     uint8_t block[4];
-    for (unsigned k = 0; k < 4; k++) {
-        const unsigned level = wanted->rgba[4 * middle + k] >> (8 - LEVEL_BITS);
-        block[k] = (uint8_t)(level << (8 - LEVEL_BITS) | level >> (2 * LEVEL_BITS - 8));
-    }
+    for (unsigned k = 0; k < 4; k++)
+        block[k] = (uint8_t)(wanted->rgba[4 * middle + k] * levels / 256 * 255 / (levels - 1));
     for (uint32_t y = top; y < top + coarse && y < r->height; y++)
         for (uint32_t x = left; x < left + coarse && x < r->width; x++) {
             const size_t at = (size_t)y * r->width + x;
