@@ -10,7 +10,7 @@
 
 const struct ink notes_light = {{232, 232, 232}, {0, 0, 0}};
 const struct ink notes_dark = {{16, 16, 16}, {255, 255, 255}};
-const uint8_t notes_yellow[3] = {255, 220, 0};
+const uint8_t notes_yellow[3] = {255, 220, 0}, notes_lime[3] = {180, 255, 30};
 
 uint32_t notes_side(const struct canvas *canvas)
 {

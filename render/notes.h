@@ -59,7 +59,9 @@ enum {                          /* smallest shorter side of a picture, in pixels
 
 /* Colours of words and bars, as in slices; and for bright backgrounds. */
 extern const struct ink notes_light, notes_dark;
-extern const uint8_t notes_yellow[3]; /* the cross-hair's */
+extern const uint8_t notes_yellow[3]; /* the cross-hair's in files, */
+extern const uint8_t
+    notes_lime[3]; /* and on a screen, far from labels 1 to 8, also without colours */
 
 /* Return the picture's shorter side. */
 uint32_t notes_side(const struct canvas *canvas);

@@ -370,8 +370,8 @@ static bool draw_marks(const struct work *work)
 /* ---- the cross-hair ---- */
 
 /* Draw a line along one side through `at` of the other, with a gap in the middle. */
-static void draw_line(const struct canvas *canvas, bool upright, int64_t at, int64_t middle,
-                      int64_t gap)
+static void draw_line(const struct canvas *canvas, const uint8_t rgb[3], bool upright, int64_t at,
+                      int64_t middle, int64_t gap)
 {
     const int64_t length = upright ? canvas->height : canvas->width;
     const int64_t breadth = upright ? canvas->width : canvas->height;
@@ -381,13 +381,14 @@ static void draw_line(const struct canvas *canvas, bool upright, int64_t at, int
         uint8_t *pixel = upright ? canvas_pixel(canvas, (size_t)at, (size_t)i)
                                  : canvas_pixel(canvas, (size_t)i, (size_t)at);
         for (int k = 0; k < 3; k++)
-            pixel[k] = (uint8_t)((pixel[k] + 2 * notes_yellow[k] + 1) / 3);
+            pixel[k] = (uint8_t)((pixel[k] + 2 * rgb[k] + 1) / 3);
     }
 }
 
 static void draw_cross(const struct work *work)
 {
     const struct canvas *canvas = work->canvas;
+    const uint8_t *rgb = work->style->thin ? notes_lime : notes_yellow;
     int64_t middle[2], gap = 6 * (int64_t)slice_unit(work->plan.size);
     if (gap > notes_side(canvas) / 8)
         gap = notes_side(canvas) / 8;
@@ -397,8 +398,8 @@ static void draw_cross(const struct work *work)
         middle[i] = slice_side_pixel(side, slice_side_counted(side, work->choice->place));
         gap = half_voxel > gap ? half_voxel : gap;
     }
-    draw_line(canvas, true, middle[0], middle[1], gap);
-    draw_line(canvas, false, middle[1], middle[0], gap);
+    draw_line(canvas, rgb, true, middle[0], middle[1], gap);
+    draw_line(canvas, rgb, false, middle[1], middle[0], gap);
 }
 
 /* ---- letters and bars ---- */

@@ -178,7 +178,8 @@ struct slice_style {
     const uint8_t *finished;       /* labels (engine/labels.h); NULL: the forest's */
     bool crosses;                  /* draw the cross-hair */
     bool marks_seeds;              /* mark planted seeds, except those with four equal neighbours */
-    bool thin; /* mark runs of seeds by a line around them, and single ones by a dot */
+    bool thin; /* for a screen: mark runs of seeds by a line around them, single ones by a dot; a
+                  cross-hair in notes_lime */
     struct mark_choice filled;     /* fill runs of these seeds, if any, with a tint */
     struct mark_choice marked;     /* the seeds to mark */
     const struct slice_mark *mark; /* [marks], further marks; those of other slices are ignored */

@@ -82,8 +82,8 @@ static int64_t off_grey(int eye, const struct seen *a)
     return a->lab[eye][1] * a->lab[eye][1] + a->lab[eye][2] * a->lab[eye][2];
 }
 
-/* Return that from the yellows of the cross-hair and of the pilot's frames (src/program/panes.c).
- * */
+/* Return that from the yellows of the cross-hair in files, and of marks in front of a slice
+ * (src/program/panes.c). */
 static int64_t off_marks(int eye, const struct seen *a)
 {
     static const uint8_t frame[3] = {230, 200, 90};
@@ -245,6 +245,30 @@ static void find_least(int eye, const struct seen *label, int64_t least[LEASTS])
         take_least(&least[OFF_GREY_ALL], off_grey(eye, &label[i]));
         take_least(&least[OFF_MARKS_ALL], off_marks(eye, &label[i]));
     }
+}
+
+/* The lightness of a colour, all that is left without colours. */
+static int64_t lightness(const uint8_t rgb[3])
+{
+    return llround(
+        10000 * cbrt(0.2126 * linear(rgb[0]) + 0.7152 * linear(rgb[1]) + 0.0722 * linear(rgb[2])));
+}
+
+/* The pilot draws all of these as thin lines. */
+STORY(cross_hair_and_frame_differ_from_labels_1_to_8_for_every_eye_and_in_grey)
+{
+    static const uint8_t frame[3] = {255, 255, 255};
+    const uint8_t *mark[2] = {notes_lime, frame};
+    struct palette palette;
+    palette_default(&palette);
+    for (int m = 0; m < 2; m++)
+        for (int label = 1 - m; label <= 8; label++) { /* 0: the cross-hair, of the frame */
+            const uint8_t *other = label ? palette.rgb[label] : notes_lime;
+            const struct seen a = see(mark[m]), b = see(other);
+            for (int eye = 0; eye < EYES; eye++)
+                CHECK(apart_for(eye, &a, &b) >= 650 * 650);
+            CHECK(llabs(lightness(mark[m]) - lightness(other)) >= 500);
+        }
 }
 
 STORY(labels_stand_off_each_other_off_grey_and_off_marks_for_every_eye)

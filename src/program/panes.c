@@ -29,7 +29,8 @@ static bool is_inside(const struct voxels *inside, uint32_t cell)
     return inside->count > 0 && inside->cell[low] == cell;
 }
 
-static void fill(const struct canvas *pane, const struct voxels *inside, const uint8_t rgb[3])
+/* Tint the pixels of these voxels as labels are tinted, so that edges stay visible. */
+static void tint(const struct canvas *pane, const struct voxels *inside, const uint8_t rgb[3])
 {
     uint32_t last = CELL_NONE;
     bool is_filled = false;
@@ -41,8 +42,8 @@ static void fill(const struct canvas *pane, const struct voxels *inside, const u
                 last = pane->cell[at];
                 is_filled = is_inside(inside, last);
             }
-            if (is_filled && !pane->words[at] && x % 2 == 0 && y % 2 == 0)
-                memcpy(pixel, rgb, 3);
+            for (int k = 0; is_filled && !pane->words[at] && k < 3; k++)
+                pixel[k] = (uint8_t)((2 * pixel[k] + rgb[k] + 1) / 3);
         }
 }
 
@@ -76,7 +77,7 @@ static void draw_outline(const struct canvas *canvas, const struct scene *scene,
         if (mark->corner[i][plan.across] != slice->place[plan.across])
             return;
     if (paint_polygon(&inside, &scene->grid, mark->corner, mark->corners, NULL, NULL) == OK)
-        fill(&pane, &inside, rgb);
+        tint(&pane, &inside, rgb);
     for (size_t i = 0; i < mark->corners; i++) {
         const uint32_t *end[2] = {mark->corner[i], mark->corner[(i + 1) % mark->corners]};
         int64_t at[2][2];

@@ -15,9 +15,8 @@
  * Edits that wait for a run are marked, as in show/slicing.h, which draws the slices.
  *
  * An outline is drawn in the slice that has all its corners: a white line through them with black
- * next to it, visible on any grey, dotted where it is still open. Of the pixels of the
- * voxels that it would plant (paint_polygon), one of four has the colour of the label, unmixed, so
- * that the colour is in the palette of any screen. Pixels outside the pane are left out.
+ * next to it, visible on any grey, dotted where it is still open. The voxels that it would plant
+ * (paint_polygon) have a light tint of the label's colour. Pixels outside the pane are left out.
  */
 #ifndef PROGRAM_PANES_H
 #define PROGRAM_PANES_H

@@ -313,10 +313,10 @@ static uint32_t brightest(uint32_t colour)
 
 /* ---- which ladders ---- */
 
-/* Cross-hair and eliminator (render/notes.c), and the frame of the active pane
+/* Cross-hairs of screens and files, and eliminators (render/notes.c); marks in front of a slice
  * (src/program/panes.c). */
-enum { ACCENTS = 3 };
-static const uint32_t accent[ACCENTS] = {0xFFDC00, 0xFF4838, 0xE6C85A};
+enum { CROSSES = 2, MARKS = 4, CROSS_RUNGS = 7, ACCENTS = MARKS + CROSS_RUNGS + 1 };
+static const uint32_t accent[MARKS] = {0xB4FF1E, 0xFFDC00, 0xFF4838, 0xE6C85A};
 
 enum { NEAR = 9 * 12 * 12, HUE_OF_ANOTHER = 9 * 4 * 4 };
 
@@ -328,14 +328,18 @@ static bool is_grey(uint32_t colour)
 /* A line of the cross-hair over a slice, two thirds of its colour and one of a grey, is no tint. */
 static bool is_crossed(uint32_t colour)
 {
-    const uint32_t cross = accent[0];
-    int32_t least = INT32_MAX, most = INT32_MIN;
-    for (unsigned k = 0; k < 3; k++) {
-        const int32_t grey = 3 * (int32_t)channel(colour, k) - 2 * (int32_t)channel(cross, k);
-        least = grey < least ? grey : least;
-        most = grey > most ? grey : most;
+    bool is = false;
+    for (unsigned i = 0; i < CROSSES; i++) {
+        int32_t least = INT32_MAX, most = INT32_MIN;
+        for (unsigned k = 0; k < 3; k++) {
+            const int32_t grey =
+                3 * (int32_t)channel(colour, k) - 2 * (int32_t)channel(accent[i], k);
+            least = grey < least ? grey : least;
+            most = grey > most ? grey : most;
+        }
+        is |= most - least <= 6;
     }
-    return most - least <= 6;
+    return is;
 }
 
 static bool is_shaded(uint32_t colour, const uint32_t *hue, unsigned hues)
@@ -345,6 +349,16 @@ static bool is_shaded(uint32_t colour, const uint32_t *hue, unsigned hues)
             distance_to_line(colour, hue[i], brightened(hue[i], GLOSS)) < NEAR)
             return true;
     return false;
+}
+
+/* Add marks, and the cross-hair of a screen over greys. */
+static void add_accents(struct shades *s)
+{
+    const uint32_t over_black = between(0, accent[0], 2, 3);
+    for (unsigned i = 0; i < MARKS; i++)
+        add_colour(s, accent[i]);
+    add_colour(s, over_black);
+    add_ladder(s, over_black, brightened(over_black, 85), CROSS_RUNGS);
 }
 
 /* Use the brighter hues first, without hues that are shades of another. Return true if the hues are
@@ -444,8 +458,8 @@ static bool take_colours(struct shades *s, const struct image_view *view)
     s->is_suited = true;
     add_colour(s, 0);
     add_colour(s, 0xFFFFFF);
-    for (unsigned i = 0; i < ACCENTS && view->hue; i++)
-        add_colour(s, accent[i]);
+    if (view->hue)
+        add_accents(s);
     for (unsigned i = 0; i < boxes; i++)
         add_colour(s,
                    (uint32_t)box[i].mean[0] << 16 | (uint32_t)box[i].mean[1] << 8 | box[i].mean[2]);
@@ -490,8 +504,7 @@ static bool choose_colours(struct shades *s, const struct image_view *view)
     s->is_laddered = true;
     s->is_suited = false;
     add_colour(s, 0);
-    for (unsigned i = 0; i < ACCENTS; i++)
-        add_colour(s, accent[i]);
+    add_accents(s);
     add_ladder(s, 0, 0xFFFFFF, greys);
     for (unsigned i = 0; i < s->hues; i++) {
         const uint32_t hue = s->hue[i];
