@@ -169,6 +169,25 @@ OUTLINE_STORY(the_slice_to_outline_next_has_a_place_in_it_and_is_none_that_has_o
         CHECK(pane != first || place[axis] != at);
 }
 
+/* Without pixels for letters they are characters in cells. */
+OUTLINE_STORY(an_empty_rendition_says_how_to_begin_also_in_text)
+{
+    const struct pilot_wish wish = {
+        .width = 160, .height = 88, .cell_width = 2, .cell_height = 4}; /* 80x22 cells */
+    struct image_view view;
+    char text[2][PANES_NOTES_MOST + 1] = {"", ""};
+    for (int i = 0; i < 2; i++) {
+        CHECK(host.picture(&pilot, &wish, &view, NULL) == OK);
+        for (size_t n = 0; n < view.notes; n++)
+            text[i][n] = view.note[n].character;
+        must(&interp, "seed 12,14,9 1; run");
+    }
+    CHECK_HAS(text[0], "nothing to show yet");
+    CHECK_HAS(text[0], "i plants a seed of the label");
+    CHECK(!strstr(text[1], "nothing"));
+    panes_release(&pilot.panes);
+}
+
 /* The rendition in a large pane has more pixels than the view, also before it is drawn. */
 OUTLINE_STORY(a_pixel_of_the_rendition_is_one_of_its_pane)
 {

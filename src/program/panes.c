@@ -269,6 +269,23 @@ static void add_bar(struct panes *p, const struct mosaic_box *box, const struct 
         add_note(p, pane->left + 1 + i, pane->bottom - 2, words[i]);
 }
 
+/* Write lines in the middle of the rendition's pane, if they fit. */
+static void add_lines(struct panes *p, const struct buf line[PANES_LINES])
+{
+    const struct mosaic_screen *screen = &p->panel.screen;
+    const struct mosaic_box *box = &p->panel.layout.box[MOSAIC_RENDITION];
+    const uint32_t columns = box->width / screen->cell_width,
+                   rows = box->height / screen->cell_height;
+    bool fit = rows >= PANES_LINES;
+    for (int i = 0; i < PANES_LINES; i++)
+        fit &= line[i].length <= columns;
+    for (uint32_t i = 0; i < PANES_LINES && fit; i++)
+        for (uint32_t k = 0; k < line[i].length; k++)
+            add_note(
+                p, box->left / screen->cell_width + (columns - (uint32_t)line[i].length) / 2 + k,
+                box->top / screen->cell_height + (rows - PANES_LINES) / 2 + i, line[i].data[k]);
+}
+
 static void add_notes(struct panes *p, const struct session *session)
 {
     const struct scene *scene = session->scene;
@@ -377,8 +394,12 @@ enum err panes_draw(struct panes *p, struct session *session, const struct pilot
         mark_line(&p->canvas, left, top, 1, height);
         mark_line(&p->canvas, left + width - 1, top, 1, height);
     }
-    if (wish->words && !panes_have_object(session))
-        draw_lines(&p->canvas, &box[PILOT_RENDITION], line);
+    if (!panes_have_object(session)) {
+        if (wish->words)
+            draw_lines(&p->canvas, &box[PILOT_RENDITION], line);
+        else
+            add_lines(p, line);
+    }
     draw_marks(p, session, wish);
     if (!wish->words)
         add_notes(p, session);

@@ -27,7 +27,7 @@
 #include "show/slicing.h"
 #include "tui/pilot/host.h"
 
-enum { PANES_SLICES = 3, PANES_LINES = 4, PANES_NOTES_MOST = 64 };
+enum { PANES_SLICES = 3, PANES_LINES = 4, PANES_NOTES_MOST = 256 };
 
 /* {0}: nothing is drawn yet. */
 struct panes {
