@@ -854,6 +854,8 @@ STORY(a_dumb_terminal_gets_no_escape_at_all)
     SEE_LINE("synth>");
     BEGIN_AFTER("render\r", "512x512 pixels, ");
     SEE_LINE("synth>");
+    ROW_AFTER("pilot\r", "error: `pilot` needs a terminal with a screen, and TERM=dumb has none");
+    SEE_LINE("synth>");
     BEGIN_AFTER("quit\r", "journal: synth-1.iftty");
     CHECK(strchr(buf_text(&t->written), '\033') == NULL);
     CHECK_INT(end(), 0);

@@ -52,6 +52,10 @@ static enum err run_line(const struct repl_host *host, const char *line, struct 
     end_line(&output);
     if (output.failed && !err)
         err = fault_memory(&of_command, "the output");
+    if (!err && host->screen && host->wants_screen(host->context))
+        err = fault_set(&of_command, ERR_USAGE,
+                        "`%s` needs a terminal with a screen, and TERM=%s has none",
+                        host->screen_line, probe_environment_now().term);
     const enum err written = print(&output, fault);
     if (err) {
         add_error(&words, err, &of_command, false);
