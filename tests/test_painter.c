@@ -903,6 +903,34 @@ STORY(whatever_the_terminal_drops_is_sent_again)
     }
 }
 
+STORY(a_terminal_that_drops_all_at_once_is_not_sent_it_for_ever)
+{
+    static const struct raster_box boxes[SLICES] = {
+        {0, 0, 150, 160}, {152, 0, 148, 160}, {3, 165, 150, 150}};
+    static const uint32_t kind[SLICES] = {0, 1, 2};
+    begin_painter(&graphics_kitty, 8, 16, 1, 1, 40, 20);
+    uint64_t seed = 22;
+    struct image_view view = filled(320, 320, &seed);
+    lay_slices(&view, boxes, kind, 0, &seed);
+    unsigned rounds = 0;
+    do {
+        OWNED(buf_release) struct buf out = {0};
+        painter_keep(&painter, &view, SIZE_MAX, &out);
+        CHECK(screen_feed(&out));
+        for (unsigned k = 0; k < KITTY_PICTURES; k++)
+            if (screen.kitty.picture[k].number >= 270000)
+                kitty_drop(&screen.kitty, &screen.kitty.picture[k]);
+        buf_clear(&out);
+        CHECK(painter_show(&painter, &view, &out) && screen_feed(&out));
+    } while (hear_replies() && ++rounds < 100);
+    CHECK(rounds > 1 && rounds < 20);
+    show_kept_right(&view);
+    CHECK_INT(view.strips, 0);
+    painter.kept.losses = 0; /* a key */
+    show_kept_right(&view);
+    CHECK(view.strips > 0);
+}
+
 STORY(a_picture_larger_than_its_place_is_cut)
 {
     for (unsigned g = 0; g < WITH_PIXELS; g++) {

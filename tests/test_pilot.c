@@ -1279,6 +1279,16 @@ STORY(slices_go_ahead_once_and_then_there_is_rest)
 }
 
 /* A slice of some 25 kB takes 100 ms at 2 Mbit/s, and 10 ms at 20 Mbit/s. */
+STORY(nothing_goes_ahead_when_the_pilot_is_opened_again_until_a_key)
+{
+    struct ahead ahead = {.rests = true};
+    ahead_begin(&ahead);
+    CHECK_INT(send_all_ahead(&ahead), 0);
+    ahead.rests = false;
+    ahead_begin(&ahead);
+    CHECK_INT(send_all_ahead(&ahead), AHEAD_NUMBERS - 2);
+}
+
 STORY(nothing_goes_ahead_where_a_slice_is_there_in_no_time)
 {
     CHECK(ahead_pays(&(struct flow){.per_byte_ns = 8e9 / 2e6}));

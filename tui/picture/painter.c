@@ -620,8 +620,8 @@ void painter_keep(struct painter *p, struct image_view *view, size_t budget, str
     uint32_t width, height;
     painter_size(p, &width, &height);
     p->kept.strips = 0;
-    if (p->facts.graphics->keeping && view->below && !view->smooth && view->hue &&
-        view->width <= width && view->height <= height)
+    if (p->facts.graphics->keeping && p->kept.losses <= STRIPS_MOST && view->below &&
+        !view->smooth && view->hue && view->width <= width && view->height <= height)
         send_strips(p, view, budget, out);
     view->strip = p->kept.strip;
     view->strips = p->kept.strips;
@@ -636,7 +636,9 @@ bool painter_take_reply(struct painter *p, const char *reply)
 {
     const struct keeping *keeping = p->facts.graphics->keeping;
     const uint32_t number = keeping ? keeping->lost(reply) : 0;
-    return number > 0 && drop_strip(&p->kept, number);
+    const bool is_lost = number > 0 && drop_strip(&p->kept, number);
+    p->kept.losses += is_lost;
+    return is_lost;
 }
 
 void painter_drop(struct painter *p, struct buf *out)
@@ -645,7 +647,7 @@ void painter_drop(struct painter *p, struct buf *out)
         p->facts.graphics->keeping->free_all(out);
     p->kept.images = 0;
     p->kept.pixels = 0;
-    p->kept.strips = 0;
+    p->kept.strips = p->kept.losses = 0;
     memset(p->kept.slot, 0, sizeof p->kept.slot);
     painter_forget(p);
 }

@@ -55,8 +55,8 @@
  * undo again. Greys are rounded to STRIPS_GREYS levels. Strips have their natural size, so that
  * every version of kitty shows the same pixels.
  *
- *   K1 a strip that it reports missing
- *      (painter_take_reply) is sent again;
+ *   K1 a strip that it reports missing (painter_take_reply) is sent again; after STRIPS_MOST of
+ *      these no strip is used until `losses` is set to 0: resending is bounded;
  *   K2 no number is used twice, since a number that is sent again leaks in kitty 0.26;
  *   K3 at most STRIPS_PIXELS_MOST pixels are stored: the least recently used strips are freed
  *      before the terminal's own quota is reached, which would drop all hidden strips. Each strip
@@ -83,6 +83,7 @@ struct strips {
     size_t images, capacity;
     uint64_t pixels, clock;
     uint32_t last;                         /* strips ever sent */
+    unsigned losses;                       /* strips reported missing */
     struct image_strip slot[STRIPS_MOST];  /* on the screen; number 0: not shown */
     struct image_strip strip[STRIPS_MOST]; /* in the present view */
     unsigned strips;

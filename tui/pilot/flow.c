@@ -231,7 +231,7 @@ void pace_key(struct pace *pace, uint64_t now_ns)
 
 void ahead_begin(struct ahead *ahead)
 {
-    ahead->number = 0;
+    ahead->number = ahead->rests ? AHEAD_NUMBERS : 0;
     ahead->name = 0;
 }
 

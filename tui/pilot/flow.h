@@ -196,7 +196,8 @@ void refine_release(struct refine *r);
  *      neither drawn nor sent again until the terminal may have dropped its slices;
  *   A2 only slices within AHEAD_WITHIN of the cross-hair are sent, on both sides and in all planes,
  *      the nearest first: when all of them are there nothing happens until a key;
- *   A3 none is sent if the line carries a slice in less than AHEAD_LATE_NS anyway.
+ *   A3 none is sent if the line carries a slice in less than AHEAD_LATE_NS anyway;
+ *   A4 none is sent when the pilot is opened again, until a key is pressed.
  */
 enum {
     AHEAD_WITHIN = 4,
@@ -210,6 +211,7 @@ enum {
 /* `{0}`: nothing was sent. */
 struct ahead {
     unsigned number; /* index of the next one to consider; AHEAD_NUMBERS when all have been sent */
+    bool rests;      /* nothing is sent from the next ahead_begin on (A4) */
     uint64_t name;   /* name of `view`, which the host has drawn; 0: none */
     struct image_view view;
     uint64_t known[AHEAD_KNOWN]; /* a ring */

@@ -710,6 +710,8 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
     }
     pilot_fit_label(p->state, p->host, &facts);
     pace_key(&p->pace, clock_ns());
+    p->painter.kept.losses = 0;
+    p->sent.rests = false;
     if (event->key != KEY_MOUSE) {
         buf_clear(&p->message);
         pilot_press(&press);
@@ -942,6 +944,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
                       .told = -1,
                       .editor = editor,
                       .pace.within_ns = PACE_SINGLE_NS,
+                      .sent.rests = state->was_open,
                       .flow.round_trip_ns = facts->round_trip_ns};
     struct buf out = {0};
     *ended = false;
@@ -950,6 +953,7 @@ enum err pilot_run(const struct pilot_host *host, struct pilot_state *state,
                          COLUMNS_LEAST, ROWS_LEAST);
     pilot_state_enter(state);
     state->sends_ahead = false;
+    state->was_open = true;
     editor->answered = frame_answered;
     editor->asker = &p;
     if (!facts->answers && facts->advice)

@@ -199,6 +199,7 @@ struct pilot_state {
     bool encloses;    /* or the mouse draws a ball, whose centre is the only corner */
     bool sketches;    /* the last lines are a sketch */
     bool sends_ahead; /* slices are being sent ahead */
+    bool was_open;    /* the pilot was open before: slices around here were sent ahead */
     bool drops;       /* the sketch is to be discarded */
     bool has_exact;   /* a seed of the last lines is exact */
     bool is_silent;   /* the effect of the last line is visible below the picture anyway */
