@@ -329,6 +329,33 @@ def same_panel(cells, shot, expected):
     return same_pixels(rest, Image.new("RGB", rest.size))
 
 
+def press_keys(terminal):
+    terminal.type("pilot\n")
+    terminal.settled()
+    for key in KEYS:
+        if len(key) > 2:
+            terminal.press(key)
+        else:
+            terminal.type(key)
+        if key == "Escape":  # with the next one at once, it would be Alt
+            terminal.settled()
+    terminal.settled(0.6)
+
+
+def check_commands(stage, prompt):
+    """Ends the pilot and the session, whose journal has the commands of the keys."""
+    for text in ("q", "quit\n"):
+        prompt.terminal.type(text)
+        prompt.terminal.settled()
+    with open(prompt.journal) as lines:
+        commands = [line.split()[0] for line in lines if line[0] not in "=#\n"]
+    missing = {"cross", "seed", "undo", "turn", "zoom"} - set(commands)
+    if missing:
+        raise Failure("not in the journal: " + ", ".join(sorted(missing)))
+    subprocess.run([stage.iftty, "verify", "--no-strict", prompt.journal], check=True,
+                   stdout=subprocess.DEVNULL)
+
+
 def drive(stage, name):
     story = name + ": the pilot shows what its journal says"
     if not stage.report.wants(story):
@@ -337,16 +364,7 @@ def drive(stage, name):
         cells = Cells(stage, name)
         with Prompt(stage, name, "auto") as prompt:
             prompt.open_scene()
-            prompt.terminal.type("pilot\n")
-            prompt.terminal.settled()
-            for key in KEYS:
-                if len(key) > 2:
-                    prompt.terminal.press(key)
-                else:
-                    prompt.terminal.type(key)
-                if key == "Escape":  # with the next one at once, it would be Alt
-                    prompt.terminal.settled()
-            prompt.terminal.settled(0.6)
+            press_keys(prompt.terminal)
             expected = panel(stage, cells, prompt.journal)
             stage.need_screen(prompt.terminal, story,
                               lambda shot: same_panel(cells, shot, expected))
@@ -364,17 +382,40 @@ def drive(stage, name):
             if words:
                 stage.keep(story, shown=shown, anew=prompt.terminal.screenshot())
                 raise Failure("drawn anew, it differs: " + words)
-            prompt.terminal.type("q")
-            prompt.terminal.settled()
-            prompt.terminal.type("quit\n")
-            prompt.terminal.settled()
-            with open(prompt.journal) as lines:
-                commands = [line.split()[0] for line in lines if line[0] not in "=#\n"]
-            missing = {"cross", "seed", "undo", "turn", "zoom"} - set(commands)
-            if missing:
-                raise Failure("not in the journal: " + ", ".join(sorted(missing)))
-            subprocess.run([stage.iftty, "verify", "--no-strict", prompt.journal], check=True,
-                           stdout=subprocess.DEVNULL)
+            check_commands(stage, prompt)
+
+
+def like_panel(cells, shot, expected):
+    """The picture made of text, roughly, and not that of another place."""
+    box = (cells.left, cells.top, cells.left + expected.width, cells.top + expected.height)
+    size = (cells.columns, 2 * (cells.rows - 2))
+    found, wanted = (image.resize(size, Image.BOX) for image in (shot.crop(box), expected))
+    others = [Image.new("RGB", size)] + [wanted.transpose(way) for way in (
+        Image.Transpose.FLIP_LEFT_RIGHT, Image.Transpose.FLIP_TOP_BOTTOM)]
+    apart, rest = mean_apart(found, wanted), [mean_apart(found, other) for other in others]
+    return None if apart < 0.6 * min(rest) else (
+        "the picture is %.1f of 255 from the right one, nothing %.1f, mirrored %.1f and %.1f" % (
+            apart, *rest))
+
+
+def drive_in_tmux(stage, name):
+    """There pictures are made of text, unless tmux passes them on, as in placeholders."""
+    story = name + ": tmux: the pilot shows what its journal says, in text"
+    if not stage.report.wants(story):
+        return
+    with stage.report.story(story):
+        cells = Cells(stage, name)
+        config = write_file(stage, "tmux.conf", "set -g status off\nset -g destroy-unattached on\n"
+                            "set -g default-shell /bin/sh\n")
+        shell = ("tmux", "-u", "-S", os.path.join(stage.room.folder, "tmux-pilot"), "-f", config,
+                 "new-session", "/bin/sh")
+        with Prompt(stage, name, "auto", shell) as prompt:
+            prompt.open_scene()
+            press_keys(prompt.terminal)
+            expected = panel(stage, cells, prompt.journal)
+            stage.need_screen(prompt.terminal, story,
+                              lambda shot: like_panel(cells, shot, expected))
+            check_commands(stage, prompt)
 
 
 def draw(stage, name):
@@ -414,6 +455,8 @@ def draw(stage, name):
 def pilot_stories(stage):
     for name in GRAPHICAL:
         drive(stage, name)
+    for name in ("kitty", "xterm"):
+        drive_in_tmux(stage, name)
     for name in ("kitty", "xterm"):  # mlterm has no pixels, and for sway there is no mouse here
         draw(stage, name)
 
