@@ -83,15 +83,17 @@ uint16_t mark_run(const struct mark *mark)
     return (uint16_t)(mark->eliminates ? 0 : 1 + mark->label + (mark->waits ? 256 : 0));
 }
 
-/* Return the number of the four neighbours that are equal. */
-static unsigned alike(const struct mark_runs *runs, size_t at)
+/* Return the number of the four neighbours that are equal, or of all eight. */
+static unsigned alike(const struct mark_runs *runs, size_t at, bool eight)
 {
     const size_t x = at % runs->columns, y = at / runs->columns, step = runs->step;
-    const uint16_t *here = runs->run + at;
-    return (unsigned)((x >= step && *(here - step) == *here) +
-                      (x + step < runs->columns && here[step] == *here) +
-                      (y >= step && *(here - step * runs->columns) == *here) +
-                      (y + step < runs->rows && here[step * runs->columns] == *here));
+    unsigned count = 0;
+    for (unsigned i = 0; i < 9; i++) { /* outside, these wrap around */
+        const size_t column = x + i % 3 * step - step, row = y + i / 3 * step - step;
+        if (i != 4 && (eight || i % 2) && column < runs->columns && row < runs->rows)
+            count += runs->run[row * runs->columns + column] == runs->run[at];
+    }
+    return count;
 }
 
 void marks_keep(struct marks *marks, const struct mark_runs *runs, unsigned most)
@@ -99,7 +101,7 @@ void marks_keep(struct marks *marks, const struct mark_runs *runs, unsigned most
     size_t left = 0;
     for (size_t i = 0; i < marks->count; i++)
         if (marks->mark[i].eliminates || !runs->run[marks->mark[i].at] ||
-            alike(runs, marks->mark[i].at) <= most)
+            alike(runs, marks->mark[i].at, most == MARKS_ALONE) <= most)
             marks->mark[left++] = marks->mark[i];
     marks->count = left;
 }

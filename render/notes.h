@@ -133,8 +133,8 @@ struct mark_runs {
 /* Return the value that equal seeds share: their label, and the state of waiting; 0 is no seed. */
 uint16_t mark_run(const struct mark *mark);
 
-/* Remove seeds with more than `most` equal neighbours, of four: keep only the rims of runs, or only
- * isolated seeds. */
+/* Remove seeds with more than `most` equal neighbours, of four: keep only the rims of runs; or only
+ * isolated seeds, which have none among eight. */
 enum { MARKS_OF_RIMS = 3, MARKS_ALONE = 0 };
 void marks_keep(struct marks *marks, const struct mark_runs *runs, unsigned most);
 

@@ -762,7 +762,7 @@ static bool fills(const void *of, uint32_t cell)
 }
 
 /* On a screen: a line inside the rim, a hairline outside, a tint in the object under the
- * cross-hair; a single seed is a dot. */
+ * cross-hair; a single seed is a dot, but not one that continues a line obliquely. */
 SCENE_STORY(dark_scene, thin_marks_leave_what_they_mark_to_be_seen)
 {
     struct slice_style style = style_of(0, 255, SLICE_PLAIN);
@@ -778,6 +778,11 @@ SCENE_STORY(dark_scene, thin_marks_leave_what_they_mark_to_be_seen)
     style.marks = plant_blocks(scene, waiting);
     alone->flags = CELL_SEED;
     alone->label = 1;
+    for (uint32_t i = 0; i < 3; i++) {
+        struct cell *oblique = scene->cell + grid_cell(&scene->grid, 5 + i, 34 + i, 20);
+        oblique->flags = CELL_SEED;
+        oblique->label = 1;
+    }
     OWNED(canvas_release) struct canvas s = take(scene, &choice, &style, 410, 410);
     for (uint32_t y = 90; y < 200; y++)
         for (uint32_t x = 90; x < 290; x++) {
@@ -790,6 +795,9 @@ SCENE_STORY(dark_scene, thin_marks_leave_what_they_mark_to_be_seen)
         }
     CHECK(is_rgb(&s, 345, 55, 0x50, 0x60, 0x70) && is_rgb(&s, 345, 58, 0, 0, 0) &&
           is_rgb(&s, 340, 55, 0x50, 0x60, 0x70) && grey_at(&s, 345, 61) == 100);
+    for (uint32_t i = 0; i < 3; i++)
+        CHECK(grey_at(&s, 55 + 10 * i, 345 + 10 * i) == 100 &&
+              is_rgb(&s, 50 + 10 * i, 345 + 10 * i, 0x50, 0x60, 0x70));
 }
 
 /* The letter in the middle of an edge (0 left, 1 right, 2 top, 3 bottom) of a picture of 100x100
