@@ -128,7 +128,7 @@ static bool next_label(void *context, uint32_t of, int by, uint32_t *next)
 static bool is_hidden(void *context, unsigned of)
 {
     (void)context;
-    return hidden[of];
+    return of < 256 && hidden[of];
 }
 
 static const char *label_name = "";
