@@ -1340,6 +1340,10 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
     CHECK_TEXT(status_in(80),
                "axial at 20,25,30  brush 2 r3  here 1 brain  intensity 93  0.5,18.0,-2.0 mm");
     CHECK_TEXT(status_in(40), "axial at 20,25,30  brush 2 r3  here 1");
+    snprintf(facts.known[PILOT_NAME], PILOT_KNOWN_BYTES, " ctx-lh-caudalanteriorcingulate");
+    CHECK_TEXT(status_in(80),
+               "axial at 20,25,30  brush 2 r3  here 1 ctx-lh-caudalanteriorcingulate 1.64 l");
+    snprintf(facts.known[PILOT_NAME], PILOT_KNOWN_BYTES, " brain");
     CHECK_TEXT(status_in(20), "axial at 20,25,30");
     state.pen.is_down = true;
     CHECK_TEXT(status_in(20), "PEN DOWN  axial");
@@ -1376,7 +1380,7 @@ STORY(a_narrow_row_leaves_out_whole_parts_by_rank)
     state.brush.limit = BRUSH_OVER;
     state.brush.limit_label = 17;
     CHECK_TEXT(status_in(80),
-               "axial at 20,25,30  brush 2 r3 exact over 17 Hippocampus_L  here 1  intensity 93");
+               "axial at 20,25,30  brush 2 r3 exact over 17 Hippocampus_L  here 1 brain 1.64 l");
     CHECK_TEXT(status_in(60), "axial at 20,25,30  brush 2 r3 exact over 17  here 1 brain");
     state.brush.limit = BRUSH_KEEP;
     state.brush.growth = BRUSH_GROWS;

@@ -331,7 +331,7 @@ see '^this `seed` took .* of label 1 through 20,4,2; undo reverts it$' # lines a
 see '^[(]any key[)]$'
 typing " " '^coronal at [0-9]*,13,[0-9]* '
 enter ":cross 20,4,3"
-see '^coronal at [0-9]*,4,.*  here 0  changed [0-9] [0-9.]* m[lm]3? .*  intensity '
+see '^coronal at [0-9]*,4,.*  here 0  changed: label [0-9], [0-9.]* m[lm]3? .*  intensity '
 types "u" "undo"
 entering ":cross 11,13,10" '^through 11,13,10'
 typing "lh" '^i seed  b label'

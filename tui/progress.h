@@ -7,8 +7,8 @@
  *     forest                3250000 voxels, 2 s
  *
  * It appears when the work lasts longer than PROGRESS_AFTER_MS, is drawn at most PROGRESS_A_SECOND
- * times a second, always over itself, and is erased before other output. It has no escape sequences
- * or colours, so that any terminal will do.
+ * times a second, always over itself, and is erased before other output. It has no colours,
+ * and escape sequences only in the row of a whole screen, so that any terminal will do.
  *
  * The time left is an estimate for the present step at its present rate; until it can be estimated,
  * and where the total is unknown, the elapsed time is shown.
@@ -41,6 +41,7 @@ struct progress {
     uint64_t drawn_ns; /* time of the last drawing; 0: draw without delay */
     unsigned drawn;    /* cells of the line; 0 if none is shown */
     unsigned columns;  /* width of the terminal */
+    bool owns_row;     /* on a whole screen: erase older text to the end of the row */
 
     char step[PROGRESS_WORDS]; /* the present step, its start, and the units done before it */
     uint64_t step_ns, step_done;

@@ -282,8 +282,8 @@ void act_write_no_seeds(const struct act *act);
 /* Add "1234 voxels changed, label 3 brain: 1.24 l (+12 ml), label 2: 142 ml, 12.3 ms": the number
  * of voxels with another label; the volumes of changed labels, the largest first, at most six,
  * without label 0; and the time. Call it after session_count_before, an edit of the forest and
- * session_count_labels. If finished labels are shown, the text is "1234 voxels changed before
- * finishing", since the volumes are those of the forest. */
+ * session_count_labels. If finished labels are shown, whose volumes are not known yet, the text is
+ * "1234 voxels changed before finishing, label 3 brain: +12 ml": changes of the forest alone. */
 void volumes_write(struct buf *out, const struct session *session, bool is_finished,
                    uint64_t took_ns);
 

@@ -179,12 +179,19 @@ void volumes_write(struct buf *out, const struct session *session, bool is_finis
                                  label[i]);
         buf_add_text(out, ": ");
         const uint64_t voxels = session->tally.voxels[label[i]];
-        label_report_write_extent(out, session, voxels);
-        label_report_write_change(out, session, voxels, session->former_tally.voxels[label[i]]);
+        const uint64_t former = session->former_tally.voxels[label[i]];
+        const bool is_more = voxels > former;
+        if (is_finished) { /* the volume is that of finished labels */
+            buf_add_char(out, is_more ? '+' : '-');
+            label_report_write_extent(out, session, is_more ? voxels - former : former - voxels);
+        } else {
+            label_report_write_extent(out, session, voxels);
+            label_report_write_change(out, session, voxels, former);
+        }
     }
     if (count > LISTED_MOST)
         buf_printf(out, ", %u more label%s", count - LISTED_MOST, plural(count - LISTED_MOST));
-    if (ms < 10000)
+    if (ms < 1000)
         buf_printf(out, ", %.1f ms\n", ms);
     else
         buf_printf(out, ", %.1f s\n", ms / 1000);

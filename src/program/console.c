@@ -99,6 +99,7 @@ struct watch *console_watch(void)
 void console_look_on(const struct console_onlooker *looks)
 {
     onlooker = looks;
+    progress.owns_row = looks != NULL;
 }
 
 void console_erase_progress(void)

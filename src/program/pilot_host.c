@@ -87,7 +87,8 @@ static void write_labels(struct buf fact[PILOT_KNOWN], const struct session *ses
         buf_add_text(&fact[PILOT_HERE], "no label");
     }
     if (!label && changed) {
-        buf_add_text(&fact[PILOT_VOLUME], "changed ");
+        const bool is_named = *session->now.kept.label_name[changed];
+        buf_add_text(&fact[PILOT_VOLUME], is_named ? "changed: " : "changed: label ");
         label_report_write_name(&fact[PILOT_VOLUME], session, changed);
     }
     if (measured && voxels) {

@@ -269,8 +269,8 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
  *     axial at 90,108,90  brush 2 ventricle r3  here 1 brain 1.64 l (+1.2 ml)  intensity 93
  *
  * The row consists of parts, each with a rank. A narrow screen shows the parts of the highest ranks
- * that fit, each whole, in the same order: the place, the brush and the label first, then names,
- * the volume and its change, the intensity, millimetres, the rest. So parts do not move when a part
+ * that fit, each whole, in the same order: the place, the brush and the label first, then its name,
+ * the intensity, millimetres, the volume and its change, the rest. So parts do not move when a part
  * of low rank appears. A `>` at the end marks slices being sent ahead.
  */
 void pilot_add_status(struct buf *out, const struct pilot_state *state,

@@ -7,7 +7,7 @@
 #include "tui/cells.h"
 
 /* Ranks of parts; the last one is left out first. */
-enum rank { FIRST, CHIEF, STATE, VALUE, WORLD, NAME, SHOWN, VOLUME, CHANGE, BRUSH, REST, RANKS };
+enum rank { FIRST, CHIEF, STATE, NAME, VALUE, WORLD, SHOWN, VOLUME, CHANGE, BRUSH, REST, RANKS };
 
 enum { PARTS_MOST = 32 };
 
