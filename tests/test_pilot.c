@@ -1138,8 +1138,9 @@ static const struct buf *page_of(bool watches, unsigned columns, bool has_colour
 {
     static struct buf page;
     buf_clear(&page);
-    pilot_keys_page(&page, &(struct pilot_keys_wish){&pilot_setup_default, watches, columns,
-                                                     has_colours, wanted});
+    pilot_keys_page(&page,
+                    &(struct pilot_keys_wish){&pilot_setup_default, watches, columns,
+                                              has_colours ? &theme_dark : NULL, wanted, NULL});
     return &page;
 }
 

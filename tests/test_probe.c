@@ -4,7 +4,7 @@
 #include "tests/check_main.h"
 #include "tui/picture/graphics.h"
 
-enum { QUESTIONS = 14 };
+enum { QUESTIONS = 15 };
 static const char *const question[QUESTIONS] = {
     "\033[>c",
     "\033[>q",
@@ -19,16 +19,18 @@ static const char *const question[QUESTIONS] = {
     "\033Ptmux;\033\033[>q\033\\",
     PROBE_OUTER_BARRIER,
     "\033Ptmux;\033\033[5n\033\\",
-    "\033Ptmux;\033\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\033\\\033\\"};
+    "\033Ptmux;\033\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\033\\\033\\",
+    "\033]11;?\033\\"};
 enum { DA2, VERSION, CELL, AREA, LIMIT, DA1, MODE, KITTY, POINTS, SEXTANT };
 enum { OUTER_VERSION = SEXTANT + 1, OUTER_DA1, OUTER_END, OUTER_KITTY }; /* through tmux */
+enum { BACKGROUND = OUTER_KITTY + 1 };
 #define PRINTS(place) (1u << (place))
 
 struct known {
     const char *about;
     struct probe_environment environment;
     const char *answer[QUESTIONS]; /* NULL: none */
-    unsigned prints;               /* questions that appear as text; POINTS as MODE */
+    unsigned prints;               /* questions that appear as text; POINTS, BACKGROUND as MODE */
     const struct graphics *graphics;
     enum colours colours;
     enum block_shape shape;
@@ -226,8 +228,9 @@ static void answer(const struct known *t, const char *asked, int lost, struct bu
             CHECK_TEXT(asked, "\r\033[K"); /* the only other output, at the end */
             return;
         }
-        if (!check_report(!(t->prints >> (which == POINTS ? MODE : which) & 1), __FILE__, __LINE__,
-                          "it prints the question"))
+        if (!check_report(
+                !(t->prints >> (which == POINTS || which == BACKGROUND ? MODE : which) & 1),
+                __FILE__, __LINE__, "it prints the question"))
             printf("#   %s: question %d\n", t->about, which);
         if (which == SEXTANT) /* text, for terminals that are known to draw it */
             CHECK(t->answer[SEXTANT]);
@@ -294,6 +297,25 @@ STORY(each_terminal_gets_what_it_has_and_prints_nothing)
         CHECK_INT(probed.facts.answers, probed.rounds > 0 && terminals[i].answer[DA1] != NULL);
         CHECK_INT(probed.facts.mouse, probed.facts.answers);
         CHECK(probed.rounds <= 4);
+    }
+}
+
+STORY(the_background_is_light_or_dark)
+{
+    static const struct {
+        const char *answer;
+        bool is_light;
+    } rows[] = {{"\033]11;rgb:ffff/ffff/ffff\033\\", true},  {"\033]11;rgb:fd/f6/e3\a", true},
+                {"\033]11;rgb:0000/2b2b/3636\033\\", false}, {"\033]11;rgb:8/8/7\033\\", true},
+                {"\033]11;rgb:7/7/7\033\\", false},          {"\033]11;rgb:ffff/ffff\033\\", false},
+                {"\033]11;rgb:fffff/f/f\033\\", false},      {NULL, false}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct known xterm = terminals[0];
+        xterm.answer[BACKGROUND] = rows[i].answer;
+        ask(&xterm, graphics_auto, -1, SIZE_MAX);
+        check_facts(&xterm, &probed.facts);
+        CHECK_TEXT(buf_text(&probed.typed), "");
+        CHECK_INT(probed.facts.is_light, rows[i].is_light);
     }
 }
 

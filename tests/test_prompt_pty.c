@@ -959,6 +959,17 @@ static bool has_recorded(const char *command)
     return strstr(journal(1), command);
 }
 
+/* By its answer to ESC]11;? */
+QUIT_STORY(on_a_light_background_hints_are_darker)
+{
+    enter_answering(&plain, "\033]11;rgb:ffff/ffff/dddd\033\\\033[?64;1;2;6;9c");
+    LINE_AFTER("q", "synth>");
+    buf_clear(&t->written); /* the picture has greys too */
+    BEGIN_AFTER("zoom", "synth> zoom fit|FACTOR");
+    CHECK(strstr(buf_text(&t->written), "\033[38;5;242m") != NULL);
+    CHECK(strstr(buf_text(&t->written), "\033[38;5;244m") == NULL);
+}
+
 #define PIXELS  "\033[?1016;2$y"
 #define NO_MORE "\033[?1016;0$y"
 #define DA1     "\033[?62;c"

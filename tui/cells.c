@@ -186,6 +186,11 @@ static const struct theme theme_light = {
     "light", "\033[38;5;242m", "\033[90m", "\033[1;97;41m", "\033[1;34m", "\033[35m", true};
 static const struct theme theme_none = {"none", "", "", "\033[7m", "", "", false};
 
+const struct theme *theme_for(const struct theme *chosen, bool is_light)
+{
+    return chosen ? chosen : is_light ? &theme_light : &theme_dark;
+}
+
 const struct theme *theme_find(const char *name)
 {
     static const struct theme *const all[] = {&theme_dark, &theme_light, &theme_none};

@@ -76,4 +76,7 @@ extern const struct theme theme_dark;
 /* Return the theme of that name, or NULL. */
 const struct theme *theme_find(const char *name);
 
+/* Return the chosen theme, or if that is NULL the one for the background. */
+const struct theme *theme_for(const struct theme *chosen, bool is_light);
+
 #endif

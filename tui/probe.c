@@ -12,7 +12,7 @@
 #define OUTER_NAME    "\033Ptmux;\033\033[>q\033\\" PROBE_OUTER_BARRIER
 #define OUTER_END     "\033Ptmux;\033\033[5n\033\\"
 #define CSI_QUESTIONS "\033[>c\033[>q\033[16t\033[14t"
-#define MODE_QUESTION "\033[?2026$p\033[?1016$p"
+#define MODE_QUESTION "\033[?2026$p\033[?1016$p\033]11;?\033\\"
 #define SIDE_QUESTION "\033[?2;4;0S"
 #define CLEAR_UP      "\r\033[K"
 
@@ -51,6 +51,23 @@ static bool equals(const char *text, const char *other)
     return strcmp(text, other) == 0;
 }
 
+/* Return true for "ffff/ffff/ffff", a colour in parts of 1 to 4 digits, if it is light. */
+static bool is_light(const char *colour)
+{
+    static const unsigned weight[] = {299, 587, 114}; /* luma, Rec. 601 */
+    unsigned luma = 0;
+    for (int i = 0; i < 3; i++) {
+        char *end;
+        const unsigned long part = strtoul(colour, &end, 16);
+        const long digits = end - colour;
+        if (digits < 1 || digits > 4 || (i < 2 && *end != '/'))
+            return false;
+        luma += weight[i] * (unsigned)(part * 255 / ((1UL << 4 * digits) - 1));
+        colour = end + 1;
+    }
+    return luma > 127 * 1000;
+}
+
 void probe_reply(struct probe_replies *replies, const char *body)
 {
     uint32_t n[32];
@@ -81,6 +98,8 @@ void probe_reply(struct probe_replies *replies, const char *body)
         replies->outer_reports |= replies->is_outer;
         snprintf(replies->is_outer ? replies->outer.name : replies->name, sizeof replies->name,
                  "%s", body + 3);
+    } else if (starts_with(body, "]11;rgb:")) {
+        replies->is_light = is_light(body + strlen("]11;rgb:"));
     } else if (body[0] == '_') {
         const size_t used = strlen(replies->answers), room = sizeof replies->answers - used;
         snprintf(replies->answers + used, room, "%s\n", body);
@@ -362,6 +381,7 @@ void probe_decide(const struct probe_replies *replies, const struct term_size *s
                                      .shape = probe_shape(replies),
                                      .answers = replies->da1,
                                      .barrier = PROBE_BARRIER,
+                                     .is_light = replies->is_light,
                                      .synchronizes = replies->synchronizes,
                                      .mouse = replies->da1};
     bool has_cell =

@@ -15,6 +15,7 @@
  *
  *     ESC[?2026$p ESC[c        synchronized output; Apple's Terminal prints the p
  *     ESC[?1016$p              reports of the mouse by pixels, in the same write
+ *     ESC]11;? ESC\            ESC]11;rgb:ffff/ffff/ffff ESC\: the background, in the same write
  *     ESC[?2;4;0S ESC[c        ESC[?2;0;1000;1000S: the largest picture of sixel; kitty complains
  *     ESC_Gi=31,..,a=q;.. ESC\ ESC[c CR ESC[K      kitty graphics, for its family alone; PuTTY,
  *                                                  urxvt and screen print it all
@@ -70,6 +71,7 @@ struct terminal_facts {
     const char *advice;     /* on better pictures, or NULL */
     uint8_t space;          /* for numbers of pictures that rarely occur twice in a terminal */
     bool answer_due;        /* it was asked and has not answered yet */
+    bool is_light;          /* the background is light */
     bool synchronizes;      /* ESC[?2026h .. l: output between them appears at once */
     uint64_t round_trip_ns; /* from a question to its answer; 0 without an answer */
     bool reports; /* more may arrive or be drawn: mouse reports were requested, or a picture sent */
@@ -90,6 +92,7 @@ struct probe_environment {
 struct probe_replies {
     struct probe_environment environment; /* the rest is from the terminal */
     bool da1, synchronizes, points;       /* in pixels, by ESC[?1016h */
+    bool is_light;                        /* the background, by ESC]11;? */
     uint64_t attributes; /* parameters of DA1: bit N for parameter N below 64; 4 is sixel */
     char answers
         [64];      /* replies to questions about graphics protocols, APC: "_Gi=31;OK", one a line */

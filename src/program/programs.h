@@ -77,7 +77,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
  * The user's configuration of prompt and pilot, in $XDG_CONFIG_HOME/iftty/config or
  * ~/.config/iftty/config; IFTTY_CONFIG=FILE names another file, IFTTY_CONFIG= none.
  *
- *     # dark, light or none
+ *     # dark, light or none; by default as the terminal's background
  *     theme light
  *     # how pictures are shown, a word of --graphics
  *     graphics sextants

@@ -575,7 +575,7 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
     pilot_host_fill(&prompt.host);
     if (lesson)
         take_lesson(&prompt, lesson);
-    if (!prompt.config.setup.theme->has_colours)
+    if (!theme_for(prompt.config.setup.theme, false)->has_colours)
         setenv("NO_COLOR", "1", 1); /* for this program and its helpers */
     prompt.has_started = prompt.resumes;
     pilot_state_init(&prompt.state, &prompt.config.setup);

@@ -591,7 +591,7 @@ enum err run_watch(const struct options *o, struct fault *fault)
                          "--from %zu --until %zu: expected the first step before the last", o->from,
                          o->until);
     config_read(&config); /* before the process is confined */
-    if (!config.setup.theme->has_colours)
+    if (!theme_for(config.setup.theme, false)->has_colours)
         setenv("NO_COLOR", "1", 1);
     console_handle_interrupts();
     TRY(begin_confined(o, o->word[0], NULL, fault));

@@ -50,7 +50,7 @@ void fuzz_config(const uint8_t *bytes, size_t length)
     for (size_t i = 0; i < setup->windows; i++)
         HOLDS(setup->window[i].width > 0 && memchr(setup->window[i].name, '\0', SETUP_NAME_BYTES));
     pilot_state_init(&state, setup);
-    pilot_keys_page(&page, &(struct pilot_keys_wish){setup, false, 80, false, NULL});
+    pilot_keys_page(&page, &(struct pilot_keys_wish){setup, false, 80, NULL, NULL, NULL});
     for (enum pilot_mode mode = PILOT_MOVING; mode <= PILOT_WINDOWING; mode++) {
         state.mode = mode;
         pilot_keys_hint(&state, &facts, &page);

@@ -102,6 +102,11 @@ static void add_row(struct buf *out, unsigned row, unsigned columns, const char 
     out->failed |= cut.failed;
 }
 
+static const struct theme *theme_of(const struct pilot *p)
+{
+    return theme_for(p->state->setup->theme, p->facts->is_light);
+}
+
 static bool has_status(const struct pilot *p)
 {
     return !p->host->caption || p->host->keeps_status;
@@ -160,8 +165,7 @@ static void add_hint(struct buf *out, const struct pilot *p, const struct pilot_
 static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
                      const struct term_size *size)
 {
-    const char *const alarm =
-        p->facts->colours == COLOURS_NONE ? "\033[7m" : p->state->setup->theme->alarm;
+    const char *const alarm = p->facts->colours == COLOURS_NONE ? "\033[7m" : theme_of(p)->alarm;
     OWNED(buf_release) struct buf upper = {0}, lower = {0};
     if (p->is_pasting)
         buf_add_text(&lower,
@@ -528,14 +532,16 @@ static bool edit_filter(struct buf *wanted, const struct key_event *event)
 static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fault *fault)
 {
     OWNED(buf_release) struct buf keys = {0}, wanted = {0};
-    struct key_event event = {0};
+    struct key_event event = {0}, key = {0}; /* the last one, and the one that is described */
     bool stays = true, asks = false;
     size_t at = 0;
     enum err err = clear_picture(p, false, fault);
     while (!err && !p->is_over && stays) {
         const struct term_size size = term_size();
-        const struct pilot_keys_wish wish = {p->state->setup, p->state->watches, size.columns,
-                                             p->facts->colours != COLOURS_NONE, buf_text(&wanted)};
+        const struct theme *theme = p->facts->colours == COLOURS_NONE ? NULL : theme_of(p);
+        const struct pilot_keys_wish wish = {p->state->setup,   p->state->watches,
+                                             size.columns,      theme,
+                                             buf_text(&wanted), key.key ? &key : NULL};
         OWNED(buf_release) struct buf wrapped = {0}, page = {0};
         buf_clear(&keys);
         if (!text)

@@ -218,7 +218,6 @@ _Static_assert(sizeof pilot_table / sizeof pilot_table[0] <= SETUP_ROWS_MOST, "k
 
 const struct pilot_setup pilot_setup_default = {.table = pilot_table,
                                                 .rows = sizeof pilot_table / sizeof pilot_table[0],
-                                                .theme = &theme_dark,
                                                 .brush = {.label = 1, .radius = 6, .fits = true},
                                                 .window = {{"bone", 500000, 2000000},
                                                            {"brain", 40000, 80000},
@@ -343,16 +342,14 @@ static bool is_on_page(const struct pilot_row *row, bool watches)
 enum { KEYS_WIDE = 16, HELP_WIDE = 24, NARROW = 2 + KEYS_WIDE + 1 + HELP_WIDE, WIDE = 78 };
 enum { NAME_WIDE = 20 };
 
-static void add_coloured(struct buf *out, const struct pilot_keys_wish *wish, const char *colour,
-                         const char *text)
+static void add_coloured(struct buf *out, const char *colour, const char *text)
 {
-    const bool is_coloured = wish->has_colours && *colour;
-    buf_printf(out, "%s%s%s", is_coloured ? colour : "", text, is_coloured ? "\033[m" : "");
+    buf_printf(out, "%s%s%s", colour, text, *colour ? "\033[m" : "");
 }
 
 static void add_heading(struct buf *out, const struct pilot_keys_wish *wish, const char *heading)
 {
-    add_coloured(out, wish, wish->setup->theme->heading, heading);
+    add_coloured(out, wish->theme ? wish->theme->heading : "", heading);
     buf_add_char(out, '\n');
 }
 
@@ -360,7 +357,7 @@ static void add_heading(struct buf *out, const struct pilot_keys_wish *wish, con
 static void add_column(struct buf *out, const struct pilot_keys_wish *wish, const char *keys,
                        size_t wide)
 {
-    add_coloured(out, wish, wish->setup->theme->key, keys);
+    add_coloured(out, wish->theme ? wish->theme->key : "", keys);
     for (size_t n = strlen(keys); n < wide; n++)
         buf_add_char(out, ' ');
 }

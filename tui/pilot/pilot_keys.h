@@ -77,8 +77,8 @@ struct pilot_row;
 struct pilot_setup {
     const struct pilot_row *table; /* [rows], actions of keys */
     size_t rows;
-    const struct theme *theme;
-    struct pilot_brush brush; /* at the start */
+    const struct theme *theme; /* NULL: by the background of the terminal */
+    struct pilot_brush brush;  /* at the start */
     struct setup_window window[SETUP_WINDOWS_MOST];
     size_t windows;
     bool sends_none_ahead;                        /* send no slice ahead (tui/pilot/flow.h) */
@@ -292,10 +292,11 @@ void pilot_add_decimal(struct buf *line, double value);
 /* Options of the page of keys. */
 struct pilot_keys_wish {
     const struct pilot_setup *setup;
-    bool watches;       /* keys for watching */
-    unsigned columns;   /* width of the window */
-    bool has_colours;   /* those of the setup's theme */
-    const char *wanted; /* part of a key, a name or its help; "" or NULL for all */
+    bool watches;                /* keys for watching */
+    unsigned columns;            /* width of the window */
+    const struct theme *theme;   /* its colours; NULL: none */
+    const char *wanted;          /* part of a key, a name or its help; "" or NULL for all */
+    const struct key_event *key; /* describe this key, or keys that begin with it; or NULL */
 };
 
 /* Add the page, part by part with headings: two entries on a line of at most 78 columns, or one, or

@@ -283,7 +283,6 @@ static enum err open_terminal(int in, struct graphics_probe *probe, bool prompts
 static enum err run_interactive(const struct repl_host *host, const struct repl_options *options,
                                 bool is_screen, struct fault *fault)
 {
-    const struct theme *theme = options->theme ? options->theme : &theme_dark;
     struct prompt p = {.host = host,
                        .history_path = options->history_path,
                        .pages = options->pages,
@@ -310,6 +309,7 @@ static enum err run_interactive(const struct repl_host *host, const struct repl_
         warn_of_history(&p, loaded, &of_history);
     e->hint = p.facts.colours != COLOURS_NONE ? host->hint : NULL;
     e->unanswered = !p.facts.answers;
+    const struct theme *theme = theme_for(options->theme, p.facts.is_light);
     e->grey = p.facts.colours == COLOURS_16 ? theme->hint_16 : theme->hint;
     if (!err && host->terminal)
         host->terminal(host->context, &p.facts);

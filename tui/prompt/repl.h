@@ -64,7 +64,7 @@ struct repl_options {
     const char *history_path;      /* NULL: no history file */
     bool pages;                    /* at a terminal, long output is shown by pages (pager.h), */
     const char *pager;             /* or by the command in $PAGER; NULL for none */
-    const struct theme *theme;     /* NULL: the theme for dark terminals */
+    const struct theme *theme;     /* NULL: by the background of the terminal */
 };
 
 /* Run until the host is finished or the input ends. Errors of commands are printed in one line and
