@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # The lesson of `iftty tutorial` in a real terminal (tmux, 80x24), at the prompt and in the pilot:
-# a step is complete by its result, the reason is shown before, the lesson can be resumed, and
-# nothing but its journal is left behind.
+# a step is complete by its result, the reason is shown before, a step that was reached stays, the
+# lesson can be resumed, and nothing but its journal is left behind.
 . "$(dirname "$0")/lib.sh"
 . "$top/tests/tmux.sh"
 
@@ -58,7 +58,7 @@ same "$(left_behind)" "tutorial-1.iftty "
 expect 0 "$iftty" verify tutorial-1.iftty
 
 # The user's configuration sets keys, but not the brush and the start of the lesson.
-begin "in the pilot: by the ten keys, interrupted and resumed; a step can become incomplete again"
+begin "in the pilot: by the ten keys, interrupted and resumed; a step that was reached stays"
 printf '%s\n' "key undo U" "brush 3 2" "start none" >config
 enter_anew "IFTTY_CONFIG=config $iftty tutorial"
 see '^step 1 of 5, in the object: there is no seed'
@@ -70,7 +70,9 @@ see '^step 2 of 5, its neighbour: there is no seed of the background'
 type_letters "4Ls0"
 see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 type_letters "U"
-see '^step 2 of 5, its neighbour: there is no seed of the background'
+see '^step 3 of 5, the other side: there is no seed of the background yet$'
+tmux_here capture-pane -e -p -t prompt | grep -q "$(printf '\033')\[33m14H$(printf '\033')" ||
+    fail "keys have no colour: $(tmux_here capture-pane -e -p -t prompt | grep 14H)"
 press C-r
 see '^step 3 of 5, the other side: Dice 0\.89[0-9] of 0\.920, '
 type_letters "q"

@@ -7,6 +7,7 @@
 
 make_scene s.nii 24 20 16
 printf '%s\n' "open s.nii" "auto on" "label 1 head" "label 2 hole" "# Where it is bright." \
+    "# This comment is longer than the rest of a row of 80 columns, and is cut after a word." \
     "seed 12,10,8 1 radius=2" "seed 1,1,1 0" "seed 20,15,12 2" "undo" "turn 30" \
     "# <b>Now</b> the \"other\" one." "seed 4,15,12 2 radius=1" "render after.png" >script
 "$iftty" run script --journal e.iftty >/dev/null || fail "no journal can be made"
@@ -21,7 +22,8 @@ pressing Space '^step 1 of 6, record [0-9]+: label 1 head'
 press Space Space
 see '^step 2 of 6, record [0-9]+: label 2 hole'
 typing "3G" '^step 3 of 6, record [0-9]+: seed 12,10,8 1 radius=2$'
-see '^drawn, but not run yet: at 12,10,8, label 1 head$' '^Where it is bright\.$'
+see '^drawn, but not run yet: at 12,10,8, label 1 head$'
+see '^Where it is bright\. This comment is longer than the rest of a row of 80 [.]{3}$'
 pressing Space '^0 -[0-9.]+ m[lm]3?, 1 head \+[0-9.]+ m[lm]3?; 7680 voxels changed$'
 
 begin "backspace steps back, a number selects its step, and undone commands are named"

@@ -118,8 +118,7 @@ void cells_crop(struct buf *out, const char *text, unsigned columns)
     }
 }
 
-/* Return the number of bytes of the line to print in `room` cells: up to a blank, or its end. */
-static size_t wrap_at(const char *line, size_t length, size_t room)
+size_t cells_fit(const char *line, size_t length, size_t room)
 {
     size_t at = strspn(line, " "), used = at, gap = 0, cells;
     while (at < length) {
@@ -150,7 +149,7 @@ static size_t text_column(const char *line, size_t length, size_t columns)
 static void wrap_line(struct buf *out, const char *line, size_t length, size_t columns)
 {
     const size_t column = text_column(line, length, columns);
-    size_t n = wrap_at(line, length, columns);
+    size_t n = cells_fit(line, length, columns);
     buf_add(out, line, n);
     while (n < length) {
         n += strspn(line + n, " ");
@@ -158,7 +157,7 @@ static void wrap_line(struct buf *out, const char *line, size_t length, size_t c
             return;
         line += n;
         length -= n;
-        n = wrap_at(line, length, columns - column);
+        n = cells_fit(line, length, columns - column);
         buf_printf(out, "\r\n%*s", (int)column, "");
         buf_add(out, line, n);
     }

@@ -43,6 +43,10 @@ bool locale_is_utf8(void);
  * drawings, which would be unreadable if the terminal wrapped them. */
 void cells_crop(struct buf *out, const char *text, unsigned columns);
 
+/* Return the number of bytes of a line that fit `columns` cells, up to a blank; a wider word is
+ * whole. */
+size_t cells_fit(const char *line, size_t length, size_t columns);
+
 /*
  * Add `text` for a raw terminal, with lines of at most `columns` cells, each ended by CR LF;
  * colours (CSI ... m) have no width. A long line is broken at a blank, where a terminal would break

@@ -12,9 +12,8 @@
 #include "session/session.h"
 #include "session/state.h"
 #include "session/tally.h"
-#include "tui/cells.h"
 
-enum { COLUMNS = 80, KEYS_MOST = 4 };
+enum { KEYS_MOST = 4, KEYS_WIDE = 4 };
 
 /* ---- state of the segmentation ---- */
 
@@ -116,13 +115,14 @@ static bool has_come(const struct step *s, const struct lesson *lesson, struct b
     return missing->length == 0;
 }
 
-/* The first incomplete step, and its reason; STEPS if all are complete. */
+/* The first incomplete step, but not one before the furthest so far; STEPS if all are complete. The
+ * reason is that of the first incomplete step. */
 static unsigned present_step(const struct lesson *lesson, struct buf *missing)
 {
     unsigned n = 0;
     while (n < STEPS && has_come(&step[n], lesson, missing))
         n++;
-    return n;
+    return n < lesson->furthest ? lesson->furthest : n;
 }
 
 /* ---- text ---- */
@@ -140,13 +140,21 @@ static void add_title(struct buf *out, const struct lesson *lesson, unsigned n,
     buf_add_char(out, '\n');
 }
 
-static void add_end(struct buf *out, const char *journal)
+static void add_end(struct buf *out, const char *journal, bool in_pilot)
 {
-    buf_add_text(out, "`quit` ends the lesson. `iftty ");
+    buf_add_text(out, in_pilot ? "q, then `quit`, ends the lesson; `iftty "
+                               : "`quit` ends the lesson. `iftty ");
     buf_add_safe_text(out, journal);
-    buf_add_text(out, "` continues it,\n`iftty verify ");
+    buf_add_text(out,
+                 in_pilot ? "` continues it, `iftty verify " : "` continues it,\n`iftty verify ");
     buf_add_safe_text(out, journal);
-    buf_add_text(out, "` proves it, and examples/ has more.\n");
+    buf_add_text(out, in_pilot ? "` proves it" : "` proves it, and examples/ has more.\n");
+}
+
+/* Add a key in a colour, "" for none. */
+static void add_key(struct buf *out, const char *key, const char *colour)
+{
+    buf_printf(out, "%s%s%s", colour, key, *colour ? "\033[m" : "");
 }
 
 void lesson_add_beginning(struct buf *out)
@@ -158,33 +166,40 @@ void lesson_add_beginning(struct buf *out)
                STEPS);
 }
 
-void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *journal)
+void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *journal,
+                     const char *colour)
 {
     OWNED(buf_release) struct buf missing = {0};
     const unsigned n = present_step(lesson, &missing);
     add_title(out, lesson, n, &missing);
     if (n == STEPS)
-        add_end(out, journal);
-    for (unsigned k = 0; n < STEPS && k < KEYS_MOST && step[n].key[k].keys; k++)
-        buf_printf(out, "    %-4s %s\n", step[n].key[k].keys, step[n].key[k].what);
+        add_end(out, journal, false);
+    for (unsigned k = 0; n < STEPS && k < KEYS_MOST && step[n].key[k].keys; k++) {
+        const char *keys = step[n].key[k].keys;
+        buf_add_text(out, "    ");
+        add_key(out, keys, colour);
+        buf_printf(out, "%*s %s\n", KEYS_WIDE - (int)strlen(keys), "", step[n].key[k].what);
+    }
     if (n < STEPS)
         buf_printf(out, "%s  %s\n", step[n].key[0].keys ? "or here:" : "here:   ", step[n].command);
 }
 
-void lesson_add_captions(struct buf *out, const struct lesson *lesson, const char *journal)
+void lesson_add_captions(struct buf *out, const struct lesson *lesson, const char *journal,
+                         const char *colour)
 {
-    OWNED(buf_release) struct buf missing = {0}, keys = {0};
+    OWNED(buf_release) struct buf missing = {0};
     const unsigned n = present_step(lesson, &missing);
     add_title(out, lesson, n, &missing);
     if (n == STEPS) {
-        buf_add_text(&keys, "q returns to the prompt. ");
-        add_end(&keys, journal);
+        add_end(out, journal, true);
     } else if (!step[n].key[0].keys) {
-        buf_printf(&keys, ":%s and Enter", step[n].command);
+        buf_printf(out, "%s:%s%s and Enter", colour, step[n].command, *colour ? "\033[m" : "");
     }
-    for (unsigned k = 0; n < STEPS && k < KEYS_MOST && step[n].key[k].keys; k++)
-        buf_printf(&keys, "%s%s %s", k ? "; " : "", step[n].key[k].keys, step[n].key[k].what);
-    cells_wrap(out, &keys, COLUMNS);
+    for (unsigned k = 0; n < STEPS && k < KEYS_MOST && step[n].key[k].keys; k++) {
+        buf_add_text(out, k ? "; " : "");
+        add_key(out, step[n].key[k].keys, colour);
+        buf_printf(out, " %s", step[n].key[k].what);
+    }
 }
 
 void lesson_add_keys(struct buf *out)
@@ -246,6 +261,7 @@ void lesson_look(struct lesson *lesson, struct session *session, bool waits)
     const struct kept *kept = &session->now.kept;
     const bool settles = kept->finish.count && session->now.outlook.shows_finished;
     struct labels labels = labels_of_forest(session->scene);
+    OWNED(buf_release) struct buf missing = {0};
     struct fault fault;
     lesson->has_name = *kept->label_name[OBJECT];
     if (settles && waits && session_labels(session, true, &labels, &fault))
@@ -258,6 +274,8 @@ void lesson_look(struct lesson *lesson, struct session *session, bool waits)
     if (lesson->of != of)
         count_labels(lesson, &labels);
     lesson->of = of;
+    const unsigned n = present_step(lesson, &missing);
+    lesson->furthest = n < STEPS ? n : STEPS - 1;
 }
 
 /* ---- the program ---- */

@@ -139,7 +139,8 @@ void config_take(struct config *config, const char *text, size_t length);
  *
  * A step is complete when its result is there, whatever the user did: seeds are on the right side
  * of the truth, mricron's extraction of this brain, and labels agree with it by Dice's coefficient.
- * So undo leads a step back, and a resumed journal continues at its step.
+ * So a resumed journal continues at its step. A step that was reached stays the present one while
+ * labels settle or after `undo`, and names the condition that does not hold.
  */
 
 #define LESSON_SCENE "ch2.nii.gz"
@@ -154,6 +155,7 @@ struct lesson {
     uint32_t worst;     /* slice with the most wrong voxels */
     size_t seeds[2][2]; /* [label 0 or 1][outside the brain, inside] */
     bool has_name;
+    unsigned furthest; /* step that was reached, from 0 */
 };
 
 /* Read the truth. ERR_INPUT if its grid is not that of the session's scene. */
@@ -166,10 +168,12 @@ void lesson_look(struct lesson *lesson, struct session *session, bool waits);
 /* Add an introduction, for the prompt. */
 void lesson_add_beginning(struct buf *out);
 
-/* Add the current step: lines for the prompt; for the pilot one on the reason and two on the keys.
- * `journal` is its name. */
-void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *journal);
-void lesson_add_captions(struct buf *out, const struct lesson *lesson, const char *journal);
+/* Add the current step: lines for the prompt; for the pilot one on the reason and one on the keys.
+ * `journal` is its name, `colour` the sequence CSI .. m before keys, or "". */
+void lesson_add_page(struct buf *out, const struct lesson *lesson, const char *journal,
+                     const char *colour);
+void lesson_add_captions(struct buf *out, const struct lesson *lesson, const char *journal,
+                         const char *colour);
 
 /* Add the ten keys as in README.md. */
 void lesson_add_keys(struct buf *out);

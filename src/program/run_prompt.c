@@ -266,6 +266,15 @@ static const char *journal_name(const struct prompt *prompt)
     return journal ? journal_path(journal) : prompt->interp.new_journal;
 }
 
+/* The colour of keys in the lesson. */
+static const char *key_colour(const struct prompt *prompt)
+{
+    const struct terminal_facts *facts = prompt->interp.terminal;
+    return facts && facts->colours != COLOURS_NONE
+               ? theme_for(prompt->config.setup.theme, facts->is_light)->key
+               : "";
+}
+
 /* Add the current step of the lesson below an answer. */
 static void add_lesson(void *context, struct buf *output)
 {
@@ -275,7 +284,7 @@ static void add_lesson(void *context, struct buf *output)
     lesson_look(prompt->lesson, prompt->interp.session, true);
     console_erase_progress();
     buf_add_char(output, '\n');
-    lesson_add_page(output, prompt->lesson, journal_name(prompt));
+    lesson_add_page(output, prompt->lesson, journal_name(prompt), key_colour(prompt));
 }
 
 /* Propose the next step of a new session below the answer that leads to it. */
@@ -322,7 +331,7 @@ static void pilot_caption(void *context, struct buf *lines)
     struct prompt *prompt = context;
     if (!prompt->pilot.onlooker) /* otherwise labels are about to change */
         lesson_look(prompt->lesson, prompt->interp.session, false);
-    lesson_add_captions(lines, prompt->lesson, journal_name(prompt));
+    lesson_add_captions(lines, prompt->lesson, journal_name(prompt), key_colour(prompt));
 }
 
 static enum err prompt_sketch(void *context, const char *line, struct fault *fault)

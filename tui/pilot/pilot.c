@@ -117,16 +117,29 @@ static unsigned rows_of_text(const struct pilot *p)
     return ROWS_OF_TEXT + (p->host->caption ? PILOT_CAPTIONS - !has_status(p) : 0);
 }
 
-/* Add the captions: rows above the last one, from a host that shows steps. */
+/* Add the captions: rows above the last one, from a host that shows steps. The last line continues
+ * in free rows; other lines are cut after a word. */
 static void add_captions(struct buf *out, const struct pilot *p, const struct term_size *size)
 {
+    static const char cut[] = " ...";
     OWNED(buf_release) struct buf lines = {0};
     p->host->caption(p->host->context, &lines);
     const char *at = buf_text(&lines);
     for (unsigned i = 0; i < PILOT_CAPTIONS; i++) {
-        add_row(out, size->rows - rows_of_text(p) + i, size->columns, at, "");
-        at += strcspn(at, "\n");
+        OWNED(buf_release) struct buf row = {0};
+        const size_t length = strcspn(at, "\n");
+        const bool may_continue = i + 1 < PILOT_CAPTIONS && (!at[length] || !at[length + 1]);
+        size_t n = cells_fit(at, length, size->columns);
+        const bool is_cut = n < length && !may_continue;
+        if (is_cut)
+            n = cells_fit(at, length, size->columns - strlen(cut));
+        buf_add(&row, at, n);
+        buf_add_text(&row, is_cut ? cut : "");
+        add_row(out, size->rows - rows_of_text(p) + i, size->columns, buf_text(&row), "");
+        at += is_cut ? length : n;
+        at += strspn(at, " ");
         at += *at == '\n';
+        lines.failed |= row.failed;
     }
     out->failed |= lines.failed;
 }
