@@ -572,7 +572,7 @@ def main():
     Serve().end()  # takes away the folder of one that was killed
     grew, left = memory_grows(), left_behind()
     names = set(re.findall(r"^([a-z][a-z-]*) ", subprocess.run(
-        [IFTTY, "help"], capture_output=True, text=True, check=True).stdout, re.M))
+        [IFTTY, "help", "all"], capture_output=True, text=True, check=True).stdout, re.M))
     with open(JOURNAL, "rb") as file:
         thieves = file.read().count(b"thief")
     failed = tell(last == scratch == anew, "labels are the same from the seeds alone, and anew",

@@ -35,14 +35,14 @@ if can_open subject.nii.gz; then
 fi
 
 begin "journal/README.md lists the commands as help does"
-"$iftty" help | sed 's/^./    &/' >"$work/help"
+"$iftty" help all | sed 's/^./    &/' >"$work/help"
 sed -n '/^<!-- commands/,/^<!-- end of commands/p' journal/README.md | sed '1,2d;$d' | sed '$d' |
     diff - "$work/help" >"$work/diff" || fail "$(cat "$work/diff")"
 
 # Run on a scene with all files that examples name; some examples have their own scene.
 begin "the example in the help of every command works"
 mkdir "$work/run"
-"$iftty" help | sed -n 's/^\([a-z][a-z-]*\)\( .*\)\{0,1\}$/\1/p' | sort -u >"$work/commands"
+"$iftty" help all | sed -n 's/^\([a-z][a-z-]*\)\( .*\)\{0,1\}$/\1/p' | sort -u >"$work/commands"
 while read -r name; do
     "$iftty" help "$name" | sed -n 's/^ *Example: //p' | tail -n 1
 done <"$work/commands" >"$work/lines"

@@ -93,7 +93,7 @@ for program in $programs; do
                 echo "$program $option"
         done
 done >"$work/missing"
-"$iftty" help | sed -n 's/^\([a-z][a-z-]*\)\( .*\)\{0,1\}$/\1/p' | sed 's/-/\\\\-/g' |
+"$iftty" help all | sed -n 's/^\([a-z][a-z-]*\)\( .*\)\{0,1\}$/\1/p' | sed 's/-/\\\\-/g' |
     while read -r command; do
         grep -q "^.fB$command\\( \\|.fP\\)" "$tree/share/man/man5/iftty-journal.5" ||
             echo "journal $command"

@@ -59,7 +59,7 @@ begin_terminal
 
 begin "pilot uses the whole screen, with slices and the place of the cross-hair"
 enter_anew "$iftty --graphics blocks s.nii"
-see '^24x20x16 voxels' '^Ctrl-O: the pilot, to segment by keys; `help`: the commands$'
+see '^24x20x16 voxels' '^Ctrl-O: the pilot, to segment by keys; `help`: how to segment$'
 entering "pilot" '^axial at 12,10,8  brush 1 r3  no label  intensity [0-9]*  [-0-9.,]* mm$'
 screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" "$(screen_text)"
 
@@ -214,11 +214,11 @@ pressing Enter '^coronal at [0-9]*,13,[0-9]* '
 commanding "sed 1" 'error: unknown command sed'
 
 begin "an answer longer than the screen comes page by page"
-commanding "help" '^The scene'
+commanding "help all" '^The scene'
 see '^-- more --$'
 pressing Space '^outline X,Y,Z '
 typing "q" '^coronal at [0-9]*,13,[0-9]* '
-commanding "help" '^The scene'
+commanding "help all" '^The scene'
 is_another_page() {
     screen_text >page
     grep -q '^-- more --$\|^[(]any key[)]$' page && ! cmp -s page former

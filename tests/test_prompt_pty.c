@@ -498,13 +498,13 @@ QUIT_STORY(a_long_answer_is_printed_by_pages)
 {
     unsigned pages = 1;
     start_at_prompt();
-    FOOT_AFTER("help\r", MORE);
+    FOOT_AFTER("help all\r", MORE);
     CHECK_TEXT(screen_row(&t->screen, 0), "The scene");
     LINE_AFTER("q", "synth>"); /* in its place */
     CHECK(!begins(MORE));
-    FOOT_AFTER("help\r", MORE);
+    FOOT_AFTER("help all\r", MORE);
     LINE_AFTER("  q", "synth>"); /* keys that arrive together are a page each */
-    FOOT_AFTER("help\r", MORE);
+    FOOT_AFTER("help all\r", MORE);
     set_size(80, 12);
     FOOT_AFTER(" ", MORE);
     set_size(80, 24);
@@ -524,14 +524,14 @@ QUIT_STORY(a_long_answer_is_printed_by_pages)
 STORY(what_is_typed_or_pasted_on_is_for_the_prompt)
 {
     start_at_prompt();
-    type("help\rlabel 3 one\r"); /* a user who types on: there are no pages */
+    type("help all\rlabel 3 one\r"); /* a user who types on: there are no pages */
     SEE("synth> label 3 one");
     SEE_LINE("synth>");
-    FOOT_AFTER("help\r", MORE);
+    FOOT_AFTER("help all\r", MORE);
     type("\033[200~label 4 two\rquit it"); /* a paste leaves, and is the prompt's */
     SEE("synth> label 4 two");
     LINE_AFTER("\033[201~", "synth> quit it");
-    FOOT_AFTER("\025help\r", MORE);
+    FOOT_AFTER("\025help all\r", MORE);
     LINE_AFTER("\033[?64;1;2;6;9c\003", "synth>"); /* an answer of the terminal is no key */
     const char *text = quit();
     CHECK_HAS(text, "\nlabel 3 one\n");
@@ -545,7 +545,7 @@ static void start_with_pager(const char *pager)
     start_at_prompt();
     unsetenv("PAGER");
     unlink("paged");
-    BEGIN_AFTER("help", "synth> help");
+    BEGIN_AFTER("help all", "synth> help all");
     type("\r");
 }
 
@@ -596,13 +596,13 @@ STORY(a_pager_that_reads_little_or_is_none_does_no_harm)
 
 /* Neither Ctrl-D, Ctrl-O nor Ctrl-Z, after which another program has the keys. */
 static const char *const any_key[] = {
-    "se",           "label 7 ", " ",      "\t",     "\033[C",      "\033f",
-    "\033[A",       "\033[B",   "\033.",  "\022",   "\007",        "\037",
-    "\030\005",     "\033u",    "\033c",  "\006",   "\005",        "\001",
-    "\027",         "\031",     "\024",   "\025",   "\f",          "\346",
-    "\377",         "\033",     "\033P",  "\033[",  "\033[200~",   "\r",
-    "\033[201~",    "help\r",   "info\r", "q",      "/",           "b",
-    "\346\234\254", "\033[6~",  "\177",   "\033\\", "\033[?64;1c", "\033[<0;1;1M",
+    "se",           "label 7 ",   " ",      "\t",     "\033[C",      "\033f",
+    "\033[A",       "\033[B",     "\033.",  "\022",   "\007",        "\037",
+    "\030\005",     "\033u",      "\033c",  "\006",   "\005",        "\001",
+    "\027",         "\031",       "\024",   "\025",   "\f",          "\346",
+    "\377",         "\033",       "\033P",  "\033[",  "\033[200~",   "\r",
+    "\033[201~",    "help all\r", "info\r", "q",      "/",           "b",
+    "\346\234\254", "\033[6~",    "\177",   "\033\\", "\033[?64;1c", "\033[<0;1;1M",
     "e\314\201",    "n"};
 
 /* If a command runs, Ctrl-C ends it, and text typed meanwhile is in the line: press it again. */

@@ -55,7 +55,7 @@ comes_true is_plain || fail "$(white) white characters"
 pressing BSpace '^step 3 of 6, '
 
 begin "no pager is started with an untrusted journal: pages are printed"
-entering ":help" '^The scene$' '^-- more --$'
+entering ":help all" '^The scene$' '^-- more --$'
 typing "q" '^step 3 of 6, '
 [ -e "$work/paged" ] && fail "the pager of the user has run"
 

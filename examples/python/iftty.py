@@ -9,7 +9,7 @@
         labels = s.labels()                     # labels[x, y, z], as nibabel indexes it
         print(s.report("stats")["by_label"])
 
-Every command of `iftty help` is a method, with its parameters in the order of `iftty help NAME`,
+Every command of `iftty help all` is a method, with its parameters in the order of `help NAME`,
 and those written `name=` by their names: `s.save("labels", "brain.nii.gz", replace=True)`. A dash
 is an underscore (`s.label_file`), and a word that Python keeps for itself ends in one (`from_=`). A
 tuple is joined by commas; a list of tuples is a key that comes several times. `s.do("zoom 2")`

@@ -2,6 +2,7 @@
 #include "command/act.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "base/choice.h"
 #include "base/mem.h"
@@ -515,7 +516,7 @@ enum err act_help(const struct act *act)
 {
     const char *about = act_text(act, "COMMAND");
     const struct command *command = about ? command_find(about) : NULL;
-    if (!about || command)
+    if (command || (about && strcmp(about, "all") == 0))
         command_help(&act->reply->text, command);
     else if (command_page(about))
         buf_add_text(&act->reply->text, command_page(about));

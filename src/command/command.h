@@ -121,10 +121,10 @@ bool command_is_same(const char *a, const char *b);
 /* Add the usage of a command: "seed X,Y,Z LABEL [radius=0..32]". */
 void command_usage(struct buf *out, const struct command *command);
 
-/* Add the text of `help` (command NULL) or `help NAME`, in lines of at most 80 columns. */
+/* Add the text of `help all` (command NULL) or `help NAME`, in lines of at most 76 columns. */
 void command_help(struct buf *out, const struct command *command);
 
-/* Return the text of `help NAME` if it is not of a command, or NULL. */
+/* Return the text of `help NAME` if it is not of a command, or NULL; of `help` if NAME is NULL. */
 const char *command_page(const char *name);
 
 /* Return the help of a command about a word, a choice or a key: the rest of the line of its detail

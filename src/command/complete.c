@@ -28,7 +28,7 @@
 #include "session/setting.h"
 
 /* Columns; 50 remain for summaries. */
-enum { INDENT = 4, SUMMARY_COLUMN = 30, USAGE_MOST = 76, LINE_MOST = 80 };
+enum { INDENT = 4, SUMMARY_COLUMN = 26, LINE_MOST = 76 }; /* `iftty -c` adds 4 columns */
 
 /* ---- usage and help ---- */
 
@@ -127,7 +127,7 @@ static void add_usage(struct buf *out, const struct command *command)
 {
     OWNED(buf_release) struct buf usage = {0};
     command_usage(&usage, command);
-    add_lines(out, buf_text(&usage), usage.length, " [", 0, USAGE_MOST);
+    add_lines(out, buf_text(&usage), usage.length, " [", 0, LINE_MOST);
     out->failed |= usage.failed;
 }
 

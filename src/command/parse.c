@@ -35,13 +35,13 @@ void command_try_names(struct near *near)
     }
 }
 
-/* Report an unknown name: "WHAT sede; did you mean seed?", or "WHAT xyz; `help` lists them". */
+/* Report an unknown name: "WHAT sede; did you mean seed?", or "WHAT xyz; `help all` lists them". */
 static enum err report_unknown(struct fault *fault, const char *what, const char *word)
 {
     struct near near = near_to(word);
     command_try_names(&near);
     if (near.count == 0 || near.count > NEAR_MOST)
-        return fault_set(fault, ERR_USAGE, "%s %s; `help` lists them", what, word);
+        return fault_set(fault, ERR_USAGE, "%s %s; `help all` lists them", what, word);
     fault_set(fault, ERR_USAGE, "%s %s", what, word);
     near_append(&near, "", fault);
     return ERR_USAGE;

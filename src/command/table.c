@@ -854,8 +854,9 @@ static const struct command command_table[] = {
      "is exact: it plants with within=0. Needs a terminal. Ctrl-O at the prompt also opens it.",
      "pilot"},
     {COMMAND("help", act_help, GROUP_QUESTIONS, 0),
-     {MAY("COMMAND", VALUE_COMMAND, .choices = "keys|correct")},
-     "list commands or keys, or describe a command",
+     {MAY("COMMAND", VALUE_COMMAND, .choices = "all|keys|correct")},
+     "show how to segment, list or describe commands",
+     "all: list all commands.\n"
      "keys: list the keys of the prompt.\n"
      "correct: show how to correct a segmentation of another program.",
      "help seed"},
@@ -866,12 +867,32 @@ static const struct command command_table[] = {
      "quit"},
 };
 
+static const char beginning[] =
+    "To segment an object, plant seeds: balls of its label inside it, and balls\n"
+    "of background outside. Labels grow from seeds up to edges of the intensity.\n"
+    "Where the result is wrong, plant more. `iftty tutorial` teaches this.\n\n"
+    "In the pilot, which Ctrl-O opens (`?` shows all keys, `q` returns):\n"
+    "    h j k l, H J K L    move the cross-hair; 30l moves 30 voxels\n"
+    "    i                   plant a ball of the brush's label, at first label 1\n"
+    "    s0                  plant a ball of background; s2 plants label 2\n"
+    "    I, then i           plant a stroke, for example across a leak\n"
+    "    u                   undo\n"
+    "    :stats              print volumes; `:` begins any command\n\n"
+    "At the prompt, where X,Y,Z is a voxel:\n"
+    "    seed 60,108,90 1 radius=6       plant a ball of label 1\n"
+    "    seed 20,108,90 0 radius=6       plant a ball of background\n"
+    "    undo                            undo; `history` lists changes\n"
+    "    save labels brain.nii.gz        write a label map\n\n"
+    "`help all` lists commands, `help seed` describes one, `help keys` lists keys\n"
+    "of the prompt, `help correct` shows how to correct a segmentation.\n";
+
 /* Indented lines are commands, those with a $ commands of the shell. */
 static const char recipes[] =
-    "Correct a segmentation: `labels FILE` loads it, and each piece becomes a marker.\n"
-    "Commands with `over`, `keep` or `within=0` change only described voxels; seeds\n"
-    "without these grow, and move borders. `undo` reverts a command, `save labels`\n"
-    "writes the map. In a session grown from seeds, first type `labels here`.\n\n"
+    "Correct a segmentation: `labels FILE` loads it; each piece becomes a marker.\n"
+    "Commands with `over`, `keep` or `within=0` change only described voxels;\n"
+    "seeds without these grow, and move borders. `undo` reverts a command, `save\n"
+    "labels` writes the map. In a session grown from seeds, first type `labels\n"
+    "here`.\n\n"
     "Erase label 5 in a ball where it leaked; other labels stay:\n"
     "    seed 60,108,90 0 radius=5 within=0 over=5\n"
     "Paint label 5 over background only, by a ball or an outline:\n"
@@ -879,7 +900,7 @@ static const char recipes[] =
     "    outline 60,90,50 5 to=70,90,50 to=65,99,50 within=0 over=0\n"
     "Grow label 5 over background only, up to edges, at most 9 voxels away:\n"
     "    seed 60,108,90 5 radius=2 within=9 over=0\n"
-    "Split two touching objects of label 7 by a ball in each; their outline stays:\n"
+    "Split two touching objects of label 7 by balls in both; their outline stays:\n"
     "    seed 40,108,90 7 radius=2 over=7\n"
     "    seed 60,108,90 8 radius=2 over=7\n"
     "Swap labels 3 and 4 of the file:\n"
@@ -905,7 +926,7 @@ static const char recipes[] =
 
 const char *command_page(const char *name)
 {
-    return strcmp(name, "correct") == 0 ? recipes : NULL;
+    return !name ? beginning : strcmp(name, "correct") == 0 ? recipes : NULL;
 }
 
 enum { COMMANDS = sizeof command_table / sizeof *command_table };

@@ -330,8 +330,8 @@ static const struct program program[] = {
      .detail = "Without FILE, prints the version and how `replay` and `verify` are confined.",
      .run = run_info},
     {"help", NULL, "[COMMAND|PROGRAM]", 0, 1, .summary = "describe a command or a program",
-     .detail = "`iftty help keys` lists the keys of the prompt, `iftty help correct` shows how to "
-               "correct a segmentation of another program.",
+     .detail = "`iftty help all` lists the commands, `iftty help keys` the keys of the prompt; "
+               "`iftty help correct` shows how to correct a segmentation of another program.",
      .run = run_help},
     {NULL, "--version", "", 0, 0, .option = {VERSION},
      .summary = "print the versions of iftty and its libraries", .run = run_version},

@@ -434,7 +434,7 @@ enum err run_help(const struct options *o, struct fault *fault)
     const char *name = o->words ? o->word[0] : NULL;
     const struct command *command = name ? command_find(name) : NULL;
     OWNED(buf_release) struct buf of_command = {0}, of_program = {0};
-    if (!name || command)
+    if (command || (name && strcmp(name, "all") == 0))
         command_help(&of_command, command);
     else if (command_page(name))
         buf_add_text(&of_command, command_page(name));
@@ -445,7 +445,7 @@ enum err run_help(const struct options *o, struct fault *fault)
         command_try_names(&near);
         program_try_names(&program_table, &near);
         fault_set(fault, ERR_USAGE, "there is no command or program %s%s", name,
-                  near.count ? "" : "; see `iftty help` and `iftty --help`");
+                  near.count ? "" : "; see `iftty help all` and `iftty --help`");
         return near_append(&near, "", fault);
     }
     printf("%s%s%s", buf_text(&of_command), of_command.length && of_program.length ? "\n" : "",

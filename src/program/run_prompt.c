@@ -375,7 +375,7 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
     }
     carry_out_start(prompt, output);
     if (prompt->interp.has_pilot)
-        buf_add_text(output, "Ctrl-O: the pilot, to segment by keys; `help`: the commands\n");
+        buf_add_text(output, "Ctrl-O: the pilot, to segment by keys; `help`: how to segment\n");
     return OK;
 }
 
