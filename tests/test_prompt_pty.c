@@ -347,13 +347,35 @@ STORY(a_hundred_pasted_lines_are_a_hundred_commands)
         take(5);
     }
     SEE("synth> label 99 part-99");
-    SEE_LINE("synth> label 100 part-100 [#rrggbb] [number=N]"); /* waits for Enter */
+    SEE_LINE("synth> label 100 part-100 [#rrggbb] [number=N]"); /* all wait for Enter */
+    SEE("Enter runs the pasted lines, Ctrl-C drops them");
+    CHECK(strstr(journal(1), "part-") == NULL);
     LINE_AFTER("\r", "synth>");
     const char *text = quit();
     for (int i = 1; i <= 100; i++) {
         snprintf(line, sizeof line, "\nlabel %d part-%d\n", i, i);
         CHECK_HAS(text, line);
     }
+}
+
+/* With CR LF, empty lines and a line feed at the end. */
+STORY(pasted_lines_wait_for_enter_and_ctrl_c_drops_them)
+{
+    static const char paste[] = "\033[200~label 1 one\r\n\r\nlabel 2 two\r\n\033[201~";
+    start_at_prompt();
+    type(paste);
+    SEE("synth> label 1 one");
+    SEE("synth> label 2 two");
+    ROW_AFTER("\003", "synth> ^C");
+    LINE_AFTER("label 3 three\r", "synth>");
+    type(paste);
+    LINE_AFTER("label 4 four", "synth> label 4 four [#rrggbb] [number=N]");
+    LINE_AFTER("\r", "synth>");
+    const char *text = quit();
+    CHECK(strstr(text, "label 3 three") && strstr(text, "label 4 four"));
+    CHECK(strstr(text, "label 3 three") < strstr(text, "label 1 one"));
+    CHECK(strstr(text, "label 1 one") < strstr(text, "label 2 two"));
+    CHECK(strstr(text, "label 2 two") < strstr(text, "label 4 four"));
 }
 
 QUIT_STORY(history_outlives_a_session_that_is_killed)

@@ -19,6 +19,7 @@ void line_editor_release(struct line_editor *e)
 {
     line_release(&e->line);
     line_history_release(&e->history);
+    buf_release(&e->held);
     buf_release(&e->input);
 }
 
@@ -78,6 +79,8 @@ static void draw_line(struct line_editor *e, const char *prompt, struct buf *out
         buf_printf(&search, "(%s '%s') ", l->search_failed ? "not found:" : "search",
                    buf_text(&l->wanted));
         prompt = buf_text(&search);
+    } else if (e->held.length && !e->is_one_line && !e->submits) {
+        buf_add_text(&found, "Enter runs the pasted lines, Ctrl-C drops them\n");
     }
     const struct line_content content = {.prompt = prompt,
                                          .text = buf_text(&l->text),
@@ -268,9 +271,9 @@ static enum line_editor_act search_key(struct line_editor *e, const struct key_e
     return DUTY_NONE;
 }
 
-/* Pasted text is inserted: only line feeds have an effect, and Ctrl-C, which ends a paste whose end
- * never arrives. In a line of a full screen, where a line feed becomes a blank, Ctrl-C is a key
- * only if no more input follows it. */
+/* Pasted text is inserted: only line feeds have an effect, except after empty lines, and Ctrl-C,
+ * which ends a paste whose end never arrives. In a line of a full screen, where a line feed becomes
+ * a blank, Ctrl-C is a key only if no more input follows it. */
 static enum line_editor_act paste_key(struct line_editor *e, const struct key_event *event)
 {
     bool control = event->modifiers & KEY_CONTROL;
@@ -280,7 +283,7 @@ static enum line_editor_act paste_key(struct line_editor *e, const struct key_ev
         return DUTY_ABANDON;
     }
     if (event->key == KEY_ENTER && !e->is_one_line)
-        return DUTY_SUBMIT;
+        return e->line.text.length ? DUTY_HOLD : DUTY_NONE;
     if (event->key == KEY_TAB || event->key == KEY_ENTER)
         line_paste(&e->line, " ", 1);
     else if (event->key == KEY_CHARACTER && !control)
@@ -525,6 +528,22 @@ static enum err edit_line_elsewhere(struct line_editor *e, const char *prompt, s
 
 /* ---- the end of a line ---- */
 
+static void hold_line(struct line_editor *e)
+{
+    buf_printf(&e->held, "%s\n", buf_text(&e->line.text));
+    line_clear(&e->line);
+}
+
+/* Make the first held line the line. */
+static void take_held(struct line_editor *e)
+{
+    const size_t length = strcspn(buf_text(&e->held), "\n");
+    line_clear(&e->line);
+    line_insert(&e->line, e->held.data, length);
+    e->held.length -= length + 1;
+    memmove(e->held.data, e->held.data + length + 1, e->held.length + 1);
+}
+
 /* Carry out the result of a key, except the end of the line. */
 static enum err carry_out(struct line_editor *e, const char *prompt, enum line_editor_act outcome,
                           struct fault *fault)
@@ -535,7 +554,12 @@ static enum err carry_out(struct line_editor *e, const char *prompt, enum line_e
     case DUTY_ABANDON:
         err = leave_line(e, prompt, "^C\r\n", fault);
         line_clear(&e->line);
+        buf_clear(&e->held);
         return err ? err : redraw(e, prompt, fault);
+    case DUTY_HOLD:
+        err = leave_line(e, prompt, "\r\n", fault);
+        hold_line(e);
+        return err;
     case DUTY_STOP:
         err = leave_line(e, prompt, "\r\n", fault);
         if (err)
@@ -563,17 +587,18 @@ static enum err carry_out(struct line_editor *e, const char *prompt, enum line_e
 
 enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struct fault *fault)
 {
+    const bool runs_held = e->held.length > 0 && !e->is_one_line;
     enum screen screen = STALE;
     enum err err = OK;
     line_clear(&e->line);
     e->line.text.failed = false;
     e->keys_before[0] = '\0';
     e->drawing = (struct line_drawing){0};
-    enum line_editor_act outcome = take_input(e);
+    enum line_editor_act outcome = runs_held ? DUTY_SUBMIT : take_input(e);
     while (!err && outcome != DUTY_SUBMIT && outcome != DUTY_END && outcome != DUTY_GONE) {
         if (outcome != DUTY_NONE) {
             err = carry_out(e, prompt, outcome, fault);
-            screen = e->taken < e->input.length ? STALE : DRAWN;
+            screen = e->taken < e->input.length || outcome == DUTY_HOLD ? STALE : DRAWN;
             outcome = take_input(e);
             continue;
         }
@@ -586,8 +611,15 @@ enum err line_edit(struct line_editor *e, const char *prompt, bool *ended, struc
     }
     if (!err && (e->line.text.failed || e->input.failed))
         err = fault_memory(fault, "the line typed");
-    if (!err && outcome != DUTY_GONE)
+    if (!err && outcome != DUTY_GONE && !runs_held)
         err = leave_line(e, prompt, "\r\n", fault);
+    if (!err && outcome == DUTY_SUBMIT && e->held.length > 0 && !e->is_one_line) {
+        if (e->line.text.length)
+            hold_line(e);
+        take_held(e);
+        err = e->held.failed ? fault_memory(fault, "the lines pasted")
+                             : leave_line(e, prompt, "\r\n", fault);
+    }
     e->stored = !err && outcome == DUTY_SUBMIT &&
                 line_history_add(&e->history, buf_text(&e->line.text), e->line.text.length);
     *ended = outcome == DUTY_END || outcome == DUTY_GONE;

@@ -7,7 +7,9 @@
  * End and Alt-F accept; then the usage after it, as provided by the host.
  *
  * All available input is read before the line is drawn, and a bracketed paste to its end, so that a
- * large paste costs one redraw. A line feed in it submits; the rest stays for the next line.
+ * large paste costs one redraw. Nothing pasted runs by itself: of several lines the last one is
+ * edited, the others are held, shown above it. Enter then returns all of them, one for each call;
+ * Ctrl-C drops them.
  */
 #ifndef TUI_PROMPT_LINE_EDIT_H
 #define TUI_PROMPT_LINE_EDIT_H
@@ -45,6 +47,7 @@ enum line_editor_act {
     DUTY_HOST_LINE,
     DUTY_MORE, /* the first key of a sequence */
     /* not of keys: */
+    DUTY_HOLD, /* a pasted line has ended */
     DUTY_END,
     DUTY_GONE, /* the terminal is gone */
     DUTY_NEWS
@@ -168,6 +171,7 @@ struct line_editor {
     struct buf input; /* bytes read; those before `taken` have been handled */
     size_t taken;
     bool pasting;
+    struct buf held; /* lines before the present one that wait for Enter, each with a line feed */
     char keys_before[LINE_KEYS_MOST]; /* the first key of a sequence, Ctrl-X for example */
     bool is_one_line;  /* a line feed in a paste is a blank; Escape empties and submits it */
     bool lone_escape;  /* the last byte was an ESC, and nothing followed in time */

@@ -125,7 +125,7 @@ enum err page_text(struct line_editor *e, const struct buf *text, bool *paged, s
     if (*paged) { /* unless keys were typed meanwhile: they arrive after the answers that are due */
         line_editor_take_answers(e);
         term_read(&e->input, 0, -1);
-        *paged = !e->pasting && e->taken == e->input.length;
+        *paged = !e->pasting && e->taken == e->input.length && !e->held.length;
     }
     if (*paged && !pager_run(e->pager, text))
         err = print_pages(e, &wrapped, fault);

@@ -176,6 +176,8 @@ static enum err execute(struct prompt *p, const char *prompt, const char *line, 
         return err;
     enum err failed = p->host->execute(p->host->context, line, &text, &of_command);
     err = term_set_mode(TERM_RAW, fault);
+    if (failed == ERR_CANCELLED) /* so are lines that were pasted after it */
+        buf_clear(&p->editor.held);
     end_line(&text);
     const bool may_page = !failed || text.length > 0; /* an error alone is not paged */
     if (failed) {
