@@ -38,6 +38,15 @@ same "$(below 's> sed 1,1,1 1')" "   ^
 error: unknown command sed; did you mean seed?
 s>"
 
+begin "a key of the pilot is named, and help fits the screen"
+entering "3L" '^error: 3L is a key of the pilot .Ctrl-O.$'
+entering "s0" '^error: s0 is a key of the pilot .Ctrl-O.$'
+entering "3sedd" '^error: unknown command 3sedd'
+press C-l
+entering "help" '^To segment an object, plant seeds' '^of the prompt, `help correct` shows' '^s>$'
+! shows 'more --' || fail "$(screen_text)"
+press C-l
+
 begin "seeds and render: a picture of half blocks"
 enter "size 40 30"
 enter "zoom 1"

@@ -310,11 +310,29 @@ static void add_proposal(struct prompt *prompt, struct buf *output)
     prompt->proposed = proposal;
 }
 
+/* Return true for a key of the pilot, alone or after a count: "3L", "s0". */
+static bool is_pilot_key(const struct pilot_setup *setup, const char *word)
+{
+    word += strspn(word, "0123456789");
+    const size_t length = strlen(word);
+    const struct pilot_state state = {.setup = setup,
+                                      .leader = length == 2 ? (unsigned char)*word : 0};
+    const struct key_event event = {.key = KEY_CHARACTER,
+                                    .point = (unsigned char)word[length == 2]};
+    return (length == 1 || length == 2) && pilot_row_of(&state, &event);
+}
+
 static enum err repl_execute(void *context, const char *line, struct buf *output,
                              struct fault *fault)
 {
     struct prompt *prompt = context;
     const enum err err = prompt_execute(context, line, output, fault);
+    if (err == ERR_USAGE && strstr(fault->text, "; `help all` lists them") &&
+        is_pilot_key(&prompt->config.setup, line)) {
+        const size_t at = fault->at;
+        fault_set(fault, err, "%s is a key of the pilot (Ctrl-O)", line);
+        fault->at = at;
+    }
     if (!err) { /* a recorded command does not fail by it */
         interpreter_write_losses(&prompt->interp, console_watch(), output, NULL);
         console_erase_progress();
