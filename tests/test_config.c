@@ -257,7 +257,12 @@ static bool next_label(void *context, uint32_t of, int by, uint32_t *next)
     *next = of + (uint32_t)by;
     return true;
 }
-static const struct pilot_host host = {.next_label = next_label};
+static void label(void *context, uint32_t number, struct buf *out)
+{
+    (void)context;
+    buf_printf(out, "%u", number);
+}
+static const struct pilot_host host = {.next_label = next_label, .label = label};
 static const struct pilot_facts facts = {.place = {1, 2, 3}, .zoom = 1000};
 static struct buf line, message;
 
@@ -287,7 +292,7 @@ STORY(user_keys_override_the_table)
     CHECK_TEXT(type("7"), "seed 1,2,3 7 radius=6\n"); /* no longer a digit of a count */
     pilot_keys_page(&page, &(struct pilot_keys_wish){&config.setup, false, 60, NULL, NULL,
                                                      NULL}); /* one entry on a line */
-    CHECK_HAS(buf_text(&page), "  s Ctrl-R .       undo, redo, again\n");
+    CHECK_HAS(buf_text(&page), "  s Ctrl-R . gu    undo, redo, again; list\n");
     CHECK_HAS(buf_text(&page), "  7 ,0-9           a seed of 0-9\n");
     CHECK_HAS(buf_text(&page), "  G                first, last, 90G\n"); /* without gg */
     buf_clear(&page);

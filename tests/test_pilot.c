@@ -205,6 +205,7 @@ static void begin(void)
                                  .axis = {2, 1, 0},
                                  .window = {0, 100},
                                  .zoom = 1000,
+                                 .default_zoom = 1000,
                                  .times = PILOT_TIMES_ONE,
                                  .frame_width = 64,
                                  .frame_height = 48,
@@ -407,7 +408,7 @@ STORY(some_keys_wait_for_a_second)
         type(key);
         CHECK_INT(strncmp(buf_text(&message), key, 1), 0);
         CHECK_HAS(buf_text(&message), "  Escape leaves");
-        CHECK(message.length <= (*led == 'g' ? 120 : 80)); /* or both rows below the picture */
+        CHECK(message.length <= (*led == 'g' ? 160 : 80)); /* or both rows below the picture */
         press(KEY_ESCAPE, 0, 0);
     }
     KEYS("s3|seed 20,25,30 3", "sl||*does nothing here", "l|cross 19,25,30", /* it is over */
@@ -430,10 +431,10 @@ STORY(slices_marks_and_seeds_to_go_to)
 
 STORY(seeds_brushes_and_strokes)
 {
-    KEYS("i|seed 20,25,30 1", /* of the current label */
-         "s3|seed 20,25,30 3", "<Enter>|seed 20,25,30 3", "bi|seed 20,25,30 4",
-         "++i|seed 20,25,30 4 radius=2", "-s0|seed 20,25,30 0 radius=1",
-         "Bi|seed 20,25,30 255 radius=1", /* they go round */
+    KEYS("i|seed 20,25,30 1",                                   /* of the current label */
+         "s3|seed 20,25,30 3|brush 3; ", "s3|seed 20,25,30 3|", /* once */
+         "<Enter>|seed 20,25,30 3|", "bi|seed 20,25,30 4", "++i|seed 20,25,30 4 radius=2",
+         "-s0|seed 20,25,30 0 radius=1", "Bi|seed 20,25,30 255 radius=1", /* they go round */
          "12bi|seed 20,25,30 12 radius=1",
          "256b|*|*there is no label 256; `:label 256 NAME` makes it");
     for (int i = 0; i < 50; i++)
@@ -766,7 +767,8 @@ STORY(the_view_and_the_window)
     KEYS("r|turn 15", "3R|turn -45", "<Shift-Up>|turn 0 15", "<Shift-Left>|turn -15",
          ">|turn 0 0 15", "2<lt>|turn 0 0 -30", "<Alt-Down>|pan 0 16", "<Alt-l>|pan 16 0",
          "Va|view front", "Vp|view back", "Vl|view left", "Vr|view right", "Vs|view top",
-         "Vi|view bottom", "F|zoom fit", "z|zoom 1.251", "Z|zoom 0.8", "<zoom=64000>z|zoom 64");
+         "Vi|view bottom", "F|focus scene / zoom 1", "z|zoom 1.251", "Z|zoom 0.8",
+         "<zoom=64000>z|zoom 64");
     facts.is_fitted = true; /* fitted automatically: continue from there */
     facts.middle[0] = 4, facts.middle[1] = 5, facts.middle[2] = 6;
     KEYS("Z|zoom 51.2 at=4,5,6", "<Alt-Down>|focus 4,5,6 / pan 0 16");
@@ -801,7 +803,7 @@ STORY(the_brush_is_exact_while_there_are_pieces_of_a_segmentation)
          "i|seed 20,25,30 2 within=0 radius=2");
     facts.has_pieces = true;
     KEYS("u|undo", "ge||the brush: label 2, radius 2, grows", /* as the user says */
-         "i|seed 20,25,30 2 radius=2", "gl|labels here", "i|seed 20,25,30 2 radius=2",
+         "i|seed 20,25,30 2 radius=2", "gL|labels here", "i|seed 20,25,30 2 radius=2",
          "3ge||ge accepts no count; nothing was done",
          "@gel<Escape>i|seed 20,25,30 2 within=0 "
          "radius=2");
@@ -885,7 +887,7 @@ STORY(a_brush_that_grows_limits_only_balls)
         state.brush.radius = 0;
         state.stroke.is_set = false;
         KEYS("a", i == 8 ? "<x+1>a<y+1>a" : "l");
-        snprintf(row, sizeof row, "%s||%s", none[i], refused);
+        snprintf(row, sizeof row, "%s||*%s", none[i], refused);
         KEYS(row, "<Escape>|", "<Escape>|");
     }
     KEYS(".||*over needs an exact brush");
@@ -897,7 +899,7 @@ STORY(a_brush_that_grows_limits_only_balls)
 STORY(the_first_exact_gesture_among_grown_objects_names_the_key_that_freezes_them)
 {
     static const char warning[] = "*objects here were grown, and voxels beyond can change too; U, "
-                                  "then gl keeps all labels as they are";
+                                  "then gL keeps all labels as they are";
     struct pilot_setup own = pilot_setup_default;
     char row[200];
     state.setup = &own;
@@ -922,7 +924,7 @@ STORY(no_state_of_the_brush_makes_a_command_that_is_refused)
     static const char *const keys[] = {"ge", "go",      "gO",       "*",   "i",  "s2",    "s0",
                                        "+",  "-",       "v",        "l",   "k",  "J",     "a",
                                        "d",  "S",       "O",        "A",   "I",  "u",     "@",
-                                       ".",  "<Enter>", "<Escape>", "3go", "gl", "llkkhh"};
+                                       ".",  "<Enter>", "<Escape>", "3go", "gL", "llkkhh"};
     OWNED(interpreter_release) struct interpreter interp = {0};
     uint64_t seed = 7;
     unsigned exact = 0, over = 0;
@@ -979,8 +981,10 @@ STORY(what_is_no_command)
     static const struct {
         const char *keys;
         enum pilot_request request;
-    } rows[] = {{":|", PILOT_PROMPT},        {"q", PILOT_LEAVE},     {"<Ctrl-l>", PILOT_REDRAW},
-                {"<Ctrl-z>", PILOT_SUSPEND}, {"?", PILOT_SHOW_KEYS}, {"Q||*? shows the keys", 0}};
+    } rows[] = {
+        {":|", PILOT_PROMPT},        {"q", PILOT_LEAVE},        {"<Ctrl-l>", PILOT_REDRAW},
+        {"<Ctrl-z>", PILOT_SUSPEND}, {"<Ctrl-o>", PILOT_LEAVE}, {"gl", PILOT_SHOW_LABELS},
+        {"<Ctrl-c>||q leaves", 0},   {"?", PILOT_SHOW_KEYS},    {"Q||*? shows the keys", 0}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         KEYS(rows[i].keys);
         CHECK_INT(request, rows[i].request);
@@ -1178,6 +1182,31 @@ STORY(the_page_of_keys_fits_any_window_and_is_filtered)
     CHECK_HAS(page_with("undo", false), "\n  u                undo  ");
     CHECK(!strstr(page_with("undo", false), "greys"));
     CHECK_TEXT(page_with("xyzzy", false), "no key matches xyzzy\n");
+}
+
+/* The description of a key, or of all that begin with it. */
+static const char *page_of_key(bool watches, char key)
+{
+    static struct buf page;
+    const struct key_event event = {.key = KEY_CHARACTER, .point = (uint8_t)key};
+    buf_clear(&page);
+    pilot_keys_page(
+        &page, &(struct pilot_keys_wish){&pilot_setup_default, watches, 80, NULL, NULL, &event});
+    return buf_text(&page);
+}
+
+STORY(a_key_of_the_page_is_described)
+{
+    CHECK_TEXT(page_of_key(false, 'F'),
+               "Display\n"
+               "  F                fit                   zoom in, out; fit\n"
+               "    Zoom the rendition; F fits the shown objects, also while they grow.\n");
+    CHECK_HAS(page_of_key(false, 'g'), "  gl               labels ");
+    CHECK_HAS(page_of_key(false, 'g'), " gl lists all.\n");
+    CHECK_TEXT(page_of_key(false, '~'), "");
+    CHECK_HAS(page_of_key(true, 'c'), "Show all comments of the step.\n");
+    for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++)
+        CHECK_WITH(!row->name || !row->help || !*row->help || row->text, "%s", row->name);
 }
 
 STORY(headings_and_keys_have_colours_where_there_are_any)

@@ -77,6 +77,8 @@ see 'voxels changed' '^axial at 11,13,8  brush 2  here 2 7.68 ml  intensity [0-9
 pressing Tab '^coronal at [0-9]*,13,[0-9]* '
 see '^one label fills all: a here, then beyond its edge S encloses it; s0 background$'
 types "++s1" "seed 11,13,8 1 radius=2"
+see '^brush 1; 7680 voxels changed'
+press Escape
 see '^coronal .*at 11,13,8  brush 1 r2  here 1 [0-9.]* m[lm][3 ]'
 types "u" "undo"
 see '^undone: [0-9]+ seed 11,13,8 1 radius=2; after [0-9]+ seed 11,13,8 2'
@@ -179,10 +181,28 @@ begin "x shows the marker first, and removes it then"
 typing "x" '^marker [0-9]+: [0-9]+ trees?, [0-9]+ voxels?, label [0-9].*; x removes it'
 types "x" "remove 11,13,9"
 
-begin "? tells the keys, and any key goes back"
+begin "? tells the keys, a key its description, and Escape goes back"
 typing "?" 'a seed of the label'
-typing "i" '^coronal at [0-9]*,13,[0-9]* '
+typing "I" "^  I  *stroke " '; I sets one end, a seed the other[.]$'
+typing "V" '^  Vp  *back ' '^    View from the front, back, left,'
+pressing Up '^  k  *up ' '^    Move the cross-hair in the active slice'
+pressing Escape '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
+
+begin "Ctrl-C leaves a line, and nothing else; :q and Ctrl-O leave the pilot"
+pressing C-c '^q leaves$'
+typing ":label 7" '^:label 7 '
+pressing C-c '^i seed '
+screen_text | head -n 20 | grep -q "$half_block" || fail "the picture has moved:" "$(screen_text)"
+entering ":q" '^s>$'
+pressing C-o '^coronal at [0-9]*,13,[0-9]* '
+pressing C-o '^s>$'
+pressing C-o '^coronal at [0-9]*,13,[0-9]* '
+recorded "remove 11,13,9"
+
+begin "gu shows the commands that can be undone"
+typing "gu" '^[*] [0-9]+ remove 11,13,9 '
+pressing Escape '^coronal at [0-9]*,13,[0-9]* '
 
 begin "Tab finds commands and keys by a piece of a word, each with its key"
 type_letters ":cont"
@@ -198,8 +218,8 @@ pressing Escape '^i seed ' # the row above stays while a line is edited
 begin "/ shows the keys that have a word in them"
 typing "?" '^Planting$'
 typing "/contour" '^/contour$' '^  o  *overlay  *contour; finish; greys$'
-pressing Enter '^/ finds keys by a word; any other key leaves$'
-typing "i" '^coronal at [0-9]*,13,[0-9]* '
+pressing Enter '^a key shows its description; / finds keys by a word; Escape leaves$'
+pressing Escape '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
 
 begin "a colon reads a command; an answer of several lines has a page"
@@ -208,6 +228,36 @@ tmux_here resize-window -t prompt -x 100 -y 24 # the brush's name is left out fi
 see '^coronal at 11,13,9  brush 3 node r1  here '
 tmux_here resize-window -t prompt -x 80 -y 24
 see '^coronal at 11,13,9  brush 3 r1  here '
+
+begin "the name of the label under the cross-hair is in the row"
+here=$(screen_text | sed -n 's/^coronal .*  here \([0-9]*\) .*/\1/p')
+commands "label $here Left-Cerebral-White-Matter"
+see "^coronal at 11,13,9  brush 3 r1  here $here Left-Cerebral-White-Matter  intensity "
+types "u" "undo"
+press Escape
+see "^coronal at 11,13,9  brush 3 r1  here $here [0-9.]+ m[lm]3?  intensity "
+
+begin "gl lists the labels: go to, choose, hide, rename"
+typing "gl" '^> .* 3  node  *0 ml  brush$'
+see '^Enter go there  b brush  e hide, show  r rename  q back$'
+pressing Up '^> .* 1  *[0-9.]* m[lm]'
+typing "e" '^> .* 1 .*  hidden$'
+recorded "hide 1"
+types "e" "show 1"
+typing "b" '^> .* 1 .*  brush$'
+pressing Down '^> .* 3  node '
+typing "b" '^> .* 3  node .*  brush$'
+pressing Enter '^label 3 has no voxel$'
+typing "gl" '^> .* 3  node '
+press Up Enter
+comes_true is_cross
+see '^coronal at '
+typing "glr" '^:label 3 '
+enter "cyst"
+recorded "label 3 cyst"
+types "u" "undo"
+commanding "cross 11,13,9" '^through 11,13,9'
+pressing Escape '^coronal at 11,13,9'
 commanding "help box" 'plant a box'
 see '\(any key\)'
 pressing Enter '^coronal at [0-9]*,13,[0-9]* '
@@ -420,6 +470,9 @@ if "$iftty" run reference >/dev/null 2>&1; then
     keys=$(sed -n '/^<!-- organ/,/^<!-- end of organ/s/^    \([^ ]*\) .*/\1/p' "$top/README.md")
     same "$(printf '%s\n' "$keys" | wc -l)" 10
     for key in $keys; do type_letters "$key"; done
+    shows_progress() { screen_text | tail -n 1 >row && grep -q ' %, ' row; }
+    comes_true shows_progress
+    grep -Eq ' %, [0-9]+ s( left)?$' row || fail "the row of progress: $(cat row)"
     see '^axial at 20,108,10  brush 0 r6  here 0'
     see '^the finish breaks label 1 to 1690916 voxels in 4 pieces; see `stats`'
     type_letters "1bgc" # the volume is that of what is shown, which has settled
@@ -497,7 +550,7 @@ enter_anew "IFTTY_CONFIG=config $iftty --graphics blocks s.nii" '^s>$'
 pressing C-o '^axial at 12,10,8  brush 1 r1  '
 commands "seed 2,2,2 0"
 types "i" "seed 12,10,8 1 radius=1"
-type_letters "gl"
+type_letters "gL"
 comes_true is_frozen || fail "$(last_record)"
 see '^axial at 12,10,8  brush 1 r1 exact  here 1 '
 types "2bi" "seed 12,10,8 2 radius=1 within=0"
@@ -514,7 +567,7 @@ typing "*" '^the brush: label [01], radius 1, exact$'
 types "4u" "undo 4"
 pressing Escape '^axial at 23,1,8  brush [01] r1  here' # it grows again
 typing "ge" '^the brush: label [01], radius 1, exact$'
-typing "4bi" '^objects here were grown, .*; u, then gl keeps'
+typing "4bi" '^objects here were grown, .*; u, then gL keeps'
 recorded "seed 23,1,8 4 radius=1 within=0"
 types "u" "undo"
 typing "2goge-i" '^over needs an exact brush .ge., or a single ball of radius 1 or more'

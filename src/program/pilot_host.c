@@ -90,6 +90,7 @@ static void write_labels(struct buf fact[PILOT_KNOWN], const struct session *ses
         const bool is_named = *session->now.kept.label_name[changed];
         buf_add_text(&fact[PILOT_VOLUME], is_named ? "changed: " : "changed: label ");
         label_report_write_name(&fact[PILOT_VOLUME], session, changed);
+        buf_add_char(&fact[PILOT_VOLUME], ',');
     }
     if (measured && voxels) {
         buf_add_char(&fact[PILOT_VOLUME], ' ');
@@ -173,6 +174,7 @@ static bool host_facts(void *context, struct pilot_facts *out)
         .has_finish = session->now.kept.finish.count > 0};
     const struct view fitting = session_fitting_view(session);
     out->zoom = fitting.zoom;
+    out->default_zoom = view_default(scene).zoom;
     out->is_fitted = memcmp(fitting.focus, outlook->view.focus, sizeof fitting.focus) != 0;
     if (out->is_fitted)
         memcpy(out->middle, session->pictures->own.place, sizeof out->middle);
@@ -211,6 +213,34 @@ static void host_label(void *context, uint32_t number, struct buf *out)
         buf_printf(out, "%u", number);
     else
         label_report_write_name(out, session_of(context), (unsigned)label);
+}
+
+static unsigned host_labels(void *context, struct pilot_label out[PILOT_LABELS])
+{
+    const struct session *session = session_of(context);
+    const struct kept *kept = &session->now.kept;
+    const uint64_t *before, *voxels = session_shown_voxels(session, &before);
+    uint32_t numbers[PILOT_LABELS];
+    uint8_t order[PILOT_LABELS];
+    unsigned count = 0;
+    numbering_fill(numbers, kept);
+    numbering_order(order, numbers);
+    for (int i = 0; i < PILOT_LABELS; i++) {
+        const unsigned label = order[i];
+        struct pilot_label *row = out + count;
+        OWNED(buf_release) struct buf volume = {0};
+        if (!(voxels && voxels[label]) && !*kept->label_name[label])
+            continue;
+        *row = (struct pilot_label){.number = numbers[label],
+                                    .is_hidden = label && !kept->visible[label]};
+        memcpy(row->rgb, kept->palette.rgb[label], sizeof row->rgb);
+        if (voxels)
+            label_report_write_extent(&volume, session, voxels[label]);
+        snprintf(row->name, sizeof row->name, "%s", kept->label_name[label]);
+        snprintf(row->volume, sizeof row->volume, "%s", buf_text(&volume));
+        count++;
+    }
+    return count;
 }
 
 static bool host_next_label(void *context, uint32_t number, int by, uint32_t *next)
@@ -699,6 +729,7 @@ void pilot_host_fill(struct pilot_host *host)
     host->voxel_of_frame = host_voxel_of_frame;
     host->frame_pixel = host_frame_pixel;
     host->label = host_label;
+    host->labels = host_labels;
     host->next_label = host_next_label;
     host->held = host_held;
     host->why = host_why;

@@ -50,7 +50,8 @@ struct pilot_facts {
     double intensity;                           /* intensity of the voxel, as a real value */
     double window[2];                           /* black and white, in real values */
     uint32_t zoom;                              /* zoom of the rendition, in thousandths */
-    bool is_fitted; /* the view was fitted automatically, around this voxel: */
+    uint32_t default_zoom; /* with this zoom and the scene in the centre the view fits by itself */
+    bool is_fitted;        /* the view was fitted automatically, around this voxel: */
     uint32_t middle[3];
     uint32_t frame_width; /* size of the rendition, in pixels */
     uint32_t frame_height;
@@ -73,6 +74,16 @@ struct pilot_way {
     uint32_t root[3];     /* the seed */
     bool has_edge; /* the cost rises along the path, last to its maximum at the strongest edge, */
     uint32_t edge[3]; /* which leads into this voxel */
+};
+
+enum { PILOT_LABELS = 256, PILOT_NAME_BYTES = 32 };
+
+/* A label, in a list. */
+struct pilot_label {
+    uint32_t number;
+    char name[PILOT_NAME_BYTES], volume[PILOT_NAME_BYTES]; /* in words; "" for none */
+    uint8_t rgb[3];
+    bool is_hidden;
 };
 
 struct pilot_setup;
@@ -152,6 +163,8 @@ struct pilot_host {
     void (*frame_pixel)(void *context, uint32_t column, uint32_t row, uint32_t pixel[2]);
     /* Labels are named by their numbers. Add the number and the name of one: "2 cerebellum". */
     void (*label)(void *context, uint32_t label, struct buf *out);
+    /* List the labels that have voxels or a name, by number; return their count. */
+    unsigned (*labels)(void *context, struct pilot_label label[PILOT_LABELS]);
     /* Find the label `by` places after one by number, cyclically; by 0: that label. Return false if
      * it does not exist: *next is then the label at the cross-hair, or the first one. */
     bool (*next_label)(void *context, uint32_t label, int by, uint32_t *next);

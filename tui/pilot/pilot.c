@@ -402,8 +402,8 @@ static enum err clear_picture(struct pilot *p, bool all_anew, struct fault *faul
 
 /* ---- commands ---- */
 
-/* Show the last line of an answer below the picture. */
-static void keep_last_line(struct buf *message, const char *text)
+/* Add the last line of an answer to the message below the picture. */
+static void add_last_line(struct buf *message, const char *text)
 {
     size_t length = strlen(text);
     while (length > 0 && text[length - 1] == '\n')
@@ -411,8 +411,15 @@ static void keep_last_line(struct buf *message, const char *text)
     size_t first = length;
     while (first > 0 && text[first - 1] != '\n')
         first--;
-    buf_clear(message);
+    const bool joins = message->length > 0 && message->data[message->length - 1] != ' ';
+    buf_add_text(message, joins && length > first ? "; " : "");
     buf_add(message, text + first, length - first);
+}
+
+static void keep_last_line(struct buf *message, const char *text)
+{
+    buf_clear(message);
+    add_last_line(message, text);
 }
 
 static bool read_key(struct pilot *p, struct key_event *event);
@@ -515,7 +522,7 @@ static enum err carry_out_all(struct pilot *p, const char *lines, struct fault *
     if (!err && !of_command && output.length && p->state->has_pages)
         err = show_pages(p, &output, fault);
     else if (!err && !of_command && output.length && !p->state->is_silent) {
-        keep_last_line(&p->message, p->state->says_all ? "" : buf_text(&output));
+        add_last_line(&p->message, p->state->says_all ? "" : buf_text(&output));
         for (const char *at = buf_text(&output); p->state->says_all && *at; at++)
             buf_add_text(&p->message, *at == '\n' ? at[1] ? "; " : "" : (char[]){*at, '\0'});
     }
@@ -541,7 +548,18 @@ static bool edit_filter(struct buf *wanted, const struct key_event *event)
     return is_text || erases;
 }
 
-/* Show a text by pages on the whole screen; NULL for the keys, filtered by the text after `/`. */
+/* Return true for a key of the pilot, except for those that turn or leave pages. */
+static bool is_described(const struct pilot *p, const struct key_event *event)
+{
+    OWNED(buf_release) struct buf page = {0};
+    const struct pilot_keys_wish wish = {p->state->setup, p->state->watches, 0, NULL, NULL, event};
+    pilot_keys_page(&page, &wish);
+    return page.length > 0 && !pager_is_left_by(event) && event->key != KEY_ENTER &&
+           !(event->key == KEY_CHARACTER && event->point == ' ');
+}
+
+/* Show a text by pages on the whole screen; NULL for the keys, filtered by the text after `/`, or
+ * the description of one key. */
 static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fault *fault)
 {
     OWNED(buf_release) struct buf keys = {0}, wanted = {0};
@@ -567,7 +585,8 @@ static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fa
                    asks                   ? "/"
                    : end < wrapped.length ? PAGER_MORE
                    : text                 ? "(any key)"
-                                          : "/ finds keys by a word; any other key leaves",
+                                          : "a key shows its description; / finds keys by a word; "
+                                            "Escape leaves",
                    asks ? buf_text(&wanted) : "");
         page.failed |= wrapped.failed || keys.failed;
         err = term_write_text(&page, "a page", fault);
@@ -579,7 +598,11 @@ static enum err show_by_pages(struct pilot *p, const struct buf *text, struct fa
             at = 0;
         } else if (!text && event.key == KEY_CHARACTER && event.point == '/') {
             buf_clear(&wanted);
+            key.key = KEY_PENDING;
             asks = true;
+            at = 0;
+        } else if (!text && is_described(p, &event)) {
+            key = event;
             at = 0;
         } else {
             stays = end < wrapped.length && !pager_is_left_by(&event);
@@ -629,7 +652,8 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
     if (!err)
         err = adopt_facts(p, fault);
     const char *line = buf_text(&p->editor->line.text);
-    if (!err && !ended && line[strspn(line, " \t")]) {
+    p->is_over |= !err && strcmp(line, "q") == 0; /* as in vim */
+    if (!err && !ended && !p->is_over && line[strspn(line, " \t")]) {
         err = carry_out(p, line, &output, &of_command, fault);
         const char *feed = strchr(buf_text(&output), '\n');
         if (!err && !of_command && feed && feed[1])
@@ -660,6 +684,95 @@ static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
     return ask_for_command(p, fault);
 }
 
+/* ---- the list of labels ---- */
+
+/* Add "> ## 12  liver  1.64 l  hidden  brush", with a box of the label's colour. */
+static void add_label_row(struct buf *out, const struct pilot *p, const struct pilot_label *label,
+                          bool is_chosen)
+{
+    const uint8_t *c = label->rgb;
+    const char *name = label->number || *label->name ? label->name : "background";
+    buf_add_text(out, is_chosen ? "> " : "  ");
+    if (p->facts->colours == COLOURS_24BIT)
+        buf_printf(out, "\033[48;2;%u;%u;%um  \033[m", c[0], c[1], c[2]);
+    buf_printf(out, " %5u  %s%*s %10s%s%s", label->number, name,
+               32 - (int)cells_width(name, strlen(name)), "", label->volume,
+               label->is_hidden ? "  hidden" : "",
+               label->number == p->state->brush.label ? "  brush" : "");
+}
+
+static enum err draw_labels(struct pilot *p, const struct pilot_label *label, size_t count,
+                            size_t at, struct fault *fault)
+{
+    const struct term_size size = term_size();
+    const size_t room = size.rows - 1, first = at < room ? 0 : at + 1 - room;
+    OWNED(buf_release) struct buf out = {0}, row = {0};
+    buf_add_text(&out, blank_of(p));
+    for (size_t i = first; i < count && i < first + room; i++) {
+        buf_clear(&row);
+        add_label_row(&row, p, label + i, i == at);
+        add_row(&out, (unsigned)(i - first), size.columns, buf_text(&row), "");
+    }
+    add_row(&out, size.rows - 1, size.columns,
+            "Enter go there  b brush  e hide, show  r rename  q back", "");
+    out.failed |= row.failed;
+    return term_write_text(&out, "a list of labels", fault);
+}
+
+/* Carry out a key in the list, at the label *at; add its command to `lines`. Return false for a key
+ * that leaves the list. */
+static bool take_label_key(struct pilot *p, const struct key_event *event,
+                           const struct pilot_label *label, size_t count, size_t *at,
+                           struct buf *lines)
+{
+    const char key = event->key == KEY_CHARACTER && !event->modifiers ? (char)event->point : '\0';
+    const uint32_t number = label[*at].number;
+    uint32_t place[3];
+    if (event->key == KEY_UP || key == 'k')
+        *at -= *at > 0;
+    else if (event->key == KEY_DOWN || key == 'j')
+        *at += *at + 1 < count;
+    else if (key == 'b')
+        p->state->brush.label = number;
+    else if (key == 'e' && number)
+        buf_printf(lines, "%s %u\n", label[*at].is_hidden ? "show" : "hide", number);
+    else if (key == 'r')
+        buf_printf(&p->pasted, "label %u ", number);
+    else if (event->key == KEY_ENTER && p->host->centre(p->host->context, number, place))
+        buf_printf(lines, "cross " PLACE "\n", XYZ(place));
+    else if (event->key == KEY_ENTER)
+        buf_printf(&p->message, "label %u has no voxel", number);
+    return key != 'r' && event->key != KEY_ENTER && !pager_is_left_by(event);
+}
+
+static enum err show_labels(struct pilot *p, struct fault *fault)
+{
+    struct pilot_label label[PILOT_LABELS];
+    size_t count = p->host->labels(p->host->context, label), at = 0;
+    bool stays = count > 0;
+    enum err err = clear_picture(p, false, fault);
+    if (count == 0)
+        buf_add_text(&p->message, "no label has a voxel or a name yet");
+    while (at + 1 < count && label[at].number < p->state->brush.label)
+        at++;
+    while (!err && !p->is_over && stays) {
+        struct key_event event = {0};
+        OWNED(buf_release) struct buf lines = {0};
+        p->is_resized = false;
+        err = draw_labels(p, label, count, at, fault);
+        if (!err)
+            await_key(p, &event);
+        if (!err && !p->is_over && !p->is_resized)
+            stays = take_label_key(p, &event, label, count, &at, &lines);
+        p->state->is_silent = true;
+        if (!err && lines.length)
+            err = carry_out_all(p, buf_text(&lines), fault);
+        count = p->host->labels(p->host->context, label);
+    }
+    p->is_stale = p->is_blank = true;
+    return err || !p->pasted.length ? err : ask_for_pasted(p, fault);
+}
+
 /* ---- keys ---- */
 
 /* A frame has been drawn. */
@@ -675,6 +788,8 @@ static enum err do_request(struct pilot *p, enum pilot_request request, struct f
         return ask_for_command(p, fault);
     if (request == PILOT_SHOW_KEYS)
         return show_by_pages(p, NULL, fault);
+    if (request == PILOT_SHOW_LABELS)
+        return show_labels(p, fault);
     if (request == PILOT_REDRAW) {
         const enum err err = leave_screen(p, fault);
         line_editor_probe(p->editor);

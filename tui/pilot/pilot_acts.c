@@ -301,6 +301,14 @@ void pilot_change_zoom(struct press *p)
     buf_add_char(p->line, '\n');
 }
 
+/* Let the view fit the shown objects by itself again. */
+void pilot_fit(struct press *p)
+{
+    buf_add_text(p->line, "focus scene\nzoom ");
+    pilot_add_decimal(p->line, p->facts->default_zoom / 1000.0);
+    buf_add_char(p->line, '\n');
+}
+
 void pilot_change_overlay(struct press *p)
 {
     static const char *const overlay[] = {"none", "tint", "contour"};

@@ -29,6 +29,7 @@
 #define PAGE(SHOWN, WORDS)         .shown = SHOWN, .help = WORDS
 #define HELP(WORDS)                .help = WORDS
 #define HINT(WORDS)                .hint = WORDS
+#define TEXT(WORDS)                .text = WORDS
 #define JOINS                      HELP("")
 #define PART(HEADING)                                                                              \
     {                                                                                              \
@@ -48,139 +49,186 @@ enum {
 const struct pilot_row pilot_table[] = {
     PART("Position"),
     {KEY("step-on", "Space", WATCHING, COUNTS), DO(pilot_step, 1),
-     PAGE("Space Backspace", "next, previous step"), HINT("on")},
+     PAGE("Space Backspace", "next, previous step"), HINT("on"),
+     TEXT("Show the next step: first its gesture, then its effect. 5 Space goes 5 steps.")},
     {KEY("step-back", "Backspace", WATCHING, COUNTS), DO(pilot_step, -1), JOINS, HINT("back")},
     {KEY("first-step", "gg", WATCHING, COUNTS), DO(pilot_to_step, -1),
-     PAGE("gg G", "first, last, 20G")},
+     PAGE("gg G", "first, last, 20G"),
+     TEXT("Go to the beginning, to the end with its verdict, or to step 20.")},
     {KEY("last-step", "G", WATCHING, COUNTS), DO(pilot_to_step, 1), JOINS, HINT("end")},
     {KEY("comments", "c", WATCHING, PILOT_HAS_PAGES), .command = "step comments\n",
-     HELP("its comments"), HINT("comments")},
+     HELP("its comments"), HINT("comments"), TEXT("Show all comments of the step.")},
     {KEY("left", "h", ARROWS, STEPS), ALSO("Left"), DO(pilot_move, PILOT_LEFT),
-     PAGE("h j k l arrows", "move the cross-hair")},
+     PAGE("h j k l arrows", "move the cross-hair"),
+     TEXT("Move the cross-hair in the active slice; in the window ({window}), width and level.")},
     {KEY("down", "j", ARROWS, STEPS), ALSO("Down"), DO(pilot_move, PILOT_DOWN), JOINS},
     {KEY("up", "k", ARROWS, STEPS), ALSO("Up"), DO(pilot_move, PILOT_UP), JOINS},
     {KEY("right", "l", ARROWS, STEPS), ALSO("Right"), DO(pilot_move, PILOT_RIGHT), JOINS},
     {KEY("far-left", "H", ARROWS, STEPS), ALSO("Ctrl-Left"), DO(pilot_move, PILOT_FAR + PILOT_LEFT),
-     PAGE("H L Ctrl-arrows", "by ten voxels")},
+     PAGE("H L Ctrl-arrows", "by ten voxels"),
+     TEXT("Move by ten voxels, or by ten times the count: 3{far-right} moves 30.")},
     {KEY("far-down", "Ctrl-Down", ARROWS, STEPS), DO(pilot_move, PILOT_FAR + PILOT_DOWN), JOINS},
     {KEY("far-up", "Ctrl-Up", ARROWS, STEPS), DO(pilot_move, PILOT_FAR + PILOT_UP), JOINS},
     {KEY("far-right", "L", ARROWS, STEPS), ALSO("Ctrl-Right"),
      DO(pilot_move, PILOT_FAR + PILOT_RIGHT), JOINS},
     {KEY("slice-back", "J", LOOKS, COUNTS | MOVES), ALSO("Page-down"), DO(pilot_change_slice, -1),
-     PAGE("J K Page-keys", "the slice")},
+     PAGE("J K Page-keys", "the slice"),
+     TEXT("Move by slices: {slice-on} towards the head, the front or the right.")},
     {KEY("slice-on", "K", LOOKS, COUNTS | MOVES), ALSO("Page-up"), DO(pilot_change_slice, 1),
      JOINS},
     {KEY("first-slice", "gg", MOVING, COUNTS | MOVES), DO(pilot_to_slice, -1),
-     HELP("first, last, 90G")},
+     HELP("first, last, 90G"),
+     TEXT("Go to the first or last slice, or to the one of the count: 90G.")},
     {KEY("last-slice", "G", MOVING, COUNTS | MOVES), DO(pilot_to_slice, 1), JOINS},
-    {.keys = "1-9", HELP("a count: 25l moves 25")},
+    {.keys = "1-9",
+     HELP("a count: 25l moves 25"),
+     TEXT("Repeat the next key, or name a label or a slice for it: 25l, 12b, 90G.")},
     {KEY("next-plane", "Tab", MOVING | WATCHING, MOVES), DO(pilot_next_pane, 1),
-     HELP("the next plane")},
+     HELP("the next plane"), TEXT("Activate the next slice, which then has the frame.")},
     {KEY("previous-plane", "Shift-Tab", MOVING | WATCHING, MOVES), DO(pilot_next_pane, -1)},
-    {KEY("next-seed", "n", MOVING, COUNTS), DO(pilot_next_seed, 1), HELP("the label's seeds")},
+    {KEY("next-seed", "n", MOVING, COUNTS), DO(pilot_next_seed, 1), HELP("the label's seeds"),
+     TEXT("Go to the next or previous seed of the brush's label.")},
     {KEY("previous-seed", "N", MOVING, COUNTS), DO(pilot_next_seed, -1), JOINS},
-    {KEY("centre", "gc", MOVING, 0), DO(pilot_next_seed, 0), HELP("the label's centre")},
+    {KEY("centre", "gc", MOVING, 0), DO(pilot_next_seed, 0), HELP("the label's centre"),
+     TEXT("Go to the voxel nearest to the centre of the brush's label.")},
     {KEY("go-back", "''", MOVING, 0), DO(pilot_go_back, 0)},
     {KEY("mark", "ma-z", MOVING, 0), DO(pilot_set_mark, 0),
-     PAGE("ma-z 'a-z ''", "mark, go there, back")},
+     PAGE("ma-z 'a-z ''", "mark, go there, back"),
+     TEXT("Mark this voxel by a letter; ' and the letter go there, {go-back} back from a jump.")},
     {KEY("go-to-mark", "'a-z", MOVING, 0), DO(pilot_go_to_mark, 0), JOINS},
-    {KEY("measure", "Da-z", BOTH, 0), DO(pilot_measure, 0), HELP("distance of a mark")},
+    {KEY("measure", "Da-z", BOTH, 0), DO(pilot_measure, 0), HELP("distance of a mark"),
+     TEXT("Print the distance of a marked voxel from the cross-hair.")},
     {.keys = "mouse", HELP("there; right: S")},
     {KEY("next-hint", ")", BOTH, COUNTS), DO(pilot_go_to_hint, 1),
-     PAGE(") ( gh P", "hints, heat; why")},
+     PAGE(") ( gh P", "hints, heat; why"),
+     TEXT("Go to uncertain places; {heat} colours them; {explain} draws the path to the seed.")},
     {KEY("previous-hint", "(", BOTH, COUNTS), DO(pilot_go_to_hint, -1), JOINS},
     {KEY("heat", "gh", MOVING, 0), DO(pilot_show_heat, 0), JOINS},
     {KEY("explain", "P", BOTH, 0), DO(pilot_explain, 0), JOINS},
     PART("Planting"),
     {KEY("plant", "i Enter", BOTH, CHANGES), DO(pilot_plant, 0), HELP("a seed of the label"),
-     HINT("seed")},
-    {KEY("plant-picked", "0-9", PICKING, CHANGES), DO(pilot_plant, 1), HINT("a seed there")},
-    {KEY("plant-label", "s0-9", BOTH, CHANGES), DO(pilot_plant, 1), HELP("a seed of 0-9")},
+     HINT("seed"),
+     TEXT("Plant a ball of the brush's label here; after {stroke}, a stroke that ends here.")},
+    {KEY("plant-picked", "0-9", PICKING, CHANGES), DO(pilot_plant, 1), HINT("a seed there"),
+     TEXT("Plant a seed of this label in the voxel under the cursor.")},
+    {KEY("plant-label", "s0-9", BOTH, CHANGES), DO(pilot_plant, 1), HELP("a seed of 0-9"),
+     TEXT("Plant a ball of label 0-9, and choose it for the brush. 0 is the background.")},
     {KEY("next-label", "b", LOOKS, COUNTS), DO(pilot_choose_label, 1),
-     HELP("label (12b: 12); here"), HINT("label")},
+     HELP("label, 12b; here; list"), HINT("label"),
+     TEXT("Choose the next label, or that of the count; {label-here} that here; {labels} lists "
+          "all.")},
     {KEY("previous-label", "B", LOOKS, COUNTS), DO(pilot_choose_label, -1), JOINS},
     {KEY("label-here", "*", MOVING | OUTLINES, 0), DO(pilot_choose_label, 0), JOINS},
+    {KEY("labels", "gl", MOVING, 0), .request = PILOT_SHOW_LABELS, JOINS},
     {KEY("larger", "+", BOTH, COUNTS), ALSO("="), DO(pilot_change_radius, 1),
-     HELP("radius; mm; range")},
+     HELP("radius; mm; range"),
+     TEXT("Change the radius; {millimetres} its unit; 40{range} or {type-range} limits "
+          "intensities.")},
     {KEY("smaller", "-", BOTH, COUNTS), ALSO("_"), DO(pilot_change_radius, -1), JOINS},
     {KEY("millimetres", "M", BOTH, 0), DO(pilot_change_unit, 0), JOINS},
     {KEY("range", "t", MOVING, COUNTS), DO(pilot_take_range, 0), JOINS},
     {KEY("type-range", "T", BOTH, 0), DO(pilot_begin_range, 0), .then = PILOT_RANGING, JOINS},
-    {KEY("pen", "v", MOVING, 0), DO(pilot_lower_pen, 0), PAGE("v I", "pen draws; stroke's end")},
+    {KEY("pen", "v", MOVING, 0), DO(pilot_lower_pen, 0), PAGE("v I", "pen draws; stroke's end"),
+     TEXT("{pen} draws a stroke, and again plants it; {stroke} sets one end, a seed the other.")},
     {KEY("stroke", "I", MOVING, 0), DO(pilot_begin_stroke, 0), JOINS},
     {KEY("exact", "ge", MOVING | OUTLINES, 0), DO(pilot_change_growth, 0),
-     HELP("exact, over, keep")},
+     HELP("exact, over, keep"),
+     TEXT("{exact}: nothing grows; {over}: only over the label here, {keep}: over others; "
+          "17{over}.")},
     {KEY("over", "go", MOVING | OUTLINES, COUNTS), DO(pilot_change_limit, BRUSH_OVER), JOINS},
     {KEY("keep", "gO", MOVING | OUTLINES, COUNTS), DO(pilot_change_limit, BRUSH_KEEP), JOINS},
     {KEY("outline", "@", MOVING | OUTLINES, 0), DO(pilot_begin_outline, 0),
-     PAGE("@ U } {", "outline; next in doubt")},
+     PAGE("@ U } {", "outline; next in doubt"),
+     TEXT("Draw an outline; {take-up} edits the one here; {next-doubt} goes to uncertain slices.")},
     {KEY("take-up", "U", MOVING | SHAPING, 0), DO(pilot_load_outline, 0), JOINS},
     {KEY("next-doubt", "}", MOVING | SHAPING, COUNTS), DO(pilot_go_to_doubt, 1), JOINS},
     {KEY("previous-doubt", "{", MOVING | SHAPING, COUNTS), DO(pilot_go_to_doubt, -1), JOINS},
-    {KEY("corner", "a", MOVING, 0), DO(pilot_set_corner, 0), HELP("box, area, shell")},
+    {KEY("corner", "a", MOVING, 0), DO(pilot_set_corner, 0), HELP("box, area, shell"),
+     TEXT("Set a corner; then {box} box, {enclose-in-box} its faces, {polygon} area, {enclose} "
+          "shell.")},
     {KEY("box", "d", MOVING, CHANGES | ENCLOSES), DO(pilot_plant_box, 0), JOINS},
     {KEY("polygon", "A", MOVING, ENCLOSES), DO(pilot_close_outline, 0), JOINS},
     {KEY("enclose", "S", MOVING, CHANGES | ENCLOSES), DO(pilot_plant_shell, 0), JOINS},
     {KEY("enclose-in-box", "O", MOVING, CHANGES | ENCLOSES), DO(pilot_plant_shell, 1), JOINS},
     {KEY("eliminate", "x", BOTH, 0), DO(pilot_show_held, 0), PAGE("x X", "remove marker, tree"),
-     HINT("remove")},
+     HINT("remove"),
+     TEXT("Hatch the marker here, {eliminate-tree} its tree; the same key again removes it.")},
     {KEY("eliminate-tree", "X", BOTH, 0), DO(pilot_show_held, 1), JOINS},
-    {KEY("cut", "c", BOTH, CHANGES), .command = "plane @\n", HELP("cut here; whole")},
+    {KEY("cut", "c", BOTH, CHANGES), .command = "plane @\n", HELP("cut here; whole"),
+     TEXT("Cut the rendition at a plane through the cross-hair; {whole} removes cuts.")},
     {KEY("whole", "C", BOTH, 0), .command = "plane none\n", JOINS},
-    {KEY("hide", "e", BOTH, COUNTS | CHANGES), DO(pilot_hide, 0), HELP("hide, show; show all")},
+    {KEY("hide", "e", BOTH, COUNTS | CHANGES), DO(pilot_hide, 0), HELP("hide, show; show all"),
+     TEXT("Hide or show the brush's label, or that of the count; {show-all} shows all.")},
     {KEY("show-all", "E", BOTH, 0), DO(pilot_show_all, 0), JOINS},
-    {KEY("drop", "Escape", MOVING, 0), DO(pilot_drop_stroke, 0), HELP("no pen, no corners")},
-    {KEY("run", "Space", BOTH | OUTLINES, 0), .command = "run\n", HELP("run edits; labels here")},
-    {KEY("freeze", "gl", MOVING, 0), .command = "labels here\n", JOINS},
+    {KEY("drop", "Escape", MOVING, 0), DO(pilot_drop_stroke, 0), HELP("no pen, no corners"),
+     TEXT("Lift the pen and drop its stroke; drop corners.")},
     {KEY("undo", "u", BOTH | OUTLINES, COUNTS | PILOT_SAYS_ALL), DO(pilot_undo, -1),
-     HELP("undo, redo, again"), HINT("undo")},
+     HELP("undo, redo, again; list"), HINT("undo"),
+     TEXT("Undo or redo changes; {repeat} plants again, here; {history} lists changes.")},
     {KEY("redo", "Ctrl-R", BOTH | OUTLINES, COUNTS), DO(pilot_undo, 1), JOINS},
     {KEY("repeat", ".", BOTH, 0), DO(pilot_repeat, 0), JOINS},
+    {KEY("history", "gu", BOTH, PILOT_HAS_PAGES), .command = "history\n", JOINS},
+    {KEY("run", "Space", BOTH | OUTLINES, 0), .command = "run\n", HELP("run; labels here"),
+     TEXT("Run pending edits; {freeze} keeps all labels as they are, so that none grows.")},
+    {KEY("freeze", "gL", MOVING, 0), .command = "labels here\n", JOINS},
     PART("Display"),
     {KEY("turn-right", "r", LOOKS, COUNTS), ALSO("Shift-Right"), DO(pilot_turn, PILOT_RIGHT),
-     PAGE("r R Shift-arrows", "turn the view")},
+     PAGE("r R Shift-arrows", "turn the view"),
+     TEXT("Turn the view by 15 degrees, or by a multiple: 3r.")},
     {KEY("turn-left", "R", LOOKS, COUNTS), ALSO("Shift-Left"), DO(pilot_turn, PILOT_LEFT), JOINS},
     {KEY("turn-up", "Shift-Up", LOOKS, COUNTS), DO(pilot_turn, PILOT_UP), JOINS},
     {KEY("turn-down", "Shift-Down", LOOKS, COUNTS), DO(pilot_turn, PILOT_DOWN), JOINS},
-    {KEY("roll", ">", BOTH, COUNTS), DO(pilot_roll, 1), PAGE("< >", "roll it")},
+    {KEY("roll", ">", BOTH, COUNTS), DO(pilot_roll, 1), PAGE("< >", "roll it"),
+     TEXT("Roll the view by 15 degrees, or by a multiple.")},
     {KEY("roll-back", "<", BOTH, COUNTS), DO(pilot_roll, -1), JOINS},
     {KEY("front", "Va", LOOKS, 0), .command = "view front\n",
-     PAGE("Va p l r s i", "view from a side")},
+     PAGE("Va p l r s i", "view from a side"),
+     TEXT("View from the front, back, left, right, top (Vs) or bottom (Vi).")},
     {KEY("back", "Vp", LOOKS, 0), .command = "view back\n", JOINS},
     {KEY("left-side", "Vl", LOOKS, 0), .command = "view left\n", JOINS},
     {KEY("right-side", "Vr", LOOKS, 0), .command = "view right\n", JOINS},
     {KEY("top", "Vs", LOOKS, 0), .command = "view top\n", JOINS},
     {KEY("bottom", "Vi", LOOKS, 0), .command = "view bottom\n", JOINS},
-    {KEY("nearer", "z", LOOKS, 0), DO(pilot_change_zoom, 1), HELP("zoom in, out; fit")},
+    {KEY("nearer", "z", LOOKS, 0), DO(pilot_change_zoom, 1), HELP("zoom in, out; fit"),
+     TEXT("Zoom the rendition; {fit} fits the shown objects, also while they grow.")},
     {KEY("farther", "Z", LOOKS, 0), DO(pilot_change_zoom, -1), JOINS},
-    {KEY("fit", "F", LOOKS, 0), .command = "zoom fit\n", JOINS},
-    {KEY("correct", "p", MOVING, 0), DO(pilot_begin_picking, 0), HELP("correct in rendition")},
+    {KEY("fit", "F", LOOKS, SILENT), DO(pilot_fit, 0), JOINS},
+    {KEY("correct", "p", MOVING, 0), DO(pilot_begin_picking, 0), HELP("correct in rendition"),
+     TEXT("Move a cursor in the rendition, to plant or remove in the voxels that it shows.")},
     {KEY("to-voxel", "p", PICKING, 0), DO(pilot_end_picking, 1), HINT("to its voxel")},
     {KEY("stop-correcting", "Escape", PICKING, 0), DO(pilot_end_picking, 0), HINT("ends")},
-    {KEY("magnify", "]", LOOKS, COUNTS), DO(pilot_magnify, 1), PAGE("] [ W", "larger slices; all")},
+    {KEY("magnify", "]", LOOKS, COUNTS), DO(pilot_magnify, 1), PAGE("] [ W", "larger slices; all"),
+     TEXT("Magnify slices around the cross-hair, reduce them, or show them whole.")},
     {KEY("reduce", "[", LOOKS, COUNTS), DO(pilot_magnify, -1), JOINS},
     {KEY("whole-slices", "W", LOOKS, 0), DO(pilot_magnify, 0), JOINS},
     {KEY("recentre", "gz", MOVING | WATCHING | OUTLINES, 0), DO(pilot_recentre, 0),
-     HELP("around the cross-hair")},
+     HELP("around the cross-hair"), TEXT("Centre magnified slices on the cross-hair.")},
     {KEY("pan-left", "Alt-Left", LOOKS, COUNTS), ALSO("Alt-h"), DO(pilot_pan, PILOT_LEFT),
-     PAGE("Alt-arrows", "move them, the view")},
+     PAGE("Alt-arrows", "move them, the view"),
+     TEXT("Move magnified slices; if slices are whole, move the rendition.")},
     {KEY("pan-down", "Alt-Down", LOOKS, COUNTS), ALSO("Alt-j"), DO(pilot_pan, PILOT_DOWN), JOINS},
     {KEY("pan-up", "Alt-Up", LOOKS, COUNTS), ALSO("Alt-k"), DO(pilot_pan, PILOT_UP), JOINS},
     {KEY("pan-right", "Alt-Right", LOOKS, COUNTS), ALSO("Alt-l"), DO(pilot_pan, PILOT_RIGHT),
      JOINS},
     {KEY("overlay", "o", LOOKS, 0), DO(pilot_change_overlay, 0),
-     PAGE("o y w Y", "labels; greys; channel")},
+     PAGE("o y w Y", "labels; greys; channel"),
+     TEXT("Show labels as tint, contour or not; {finished} finished ones; {window} sets greys; "
+          "{next-channel} shows another channel.")},
     {KEY("finished", "y", LOOKS, 0), DO(pilot_change_labels, 0), JOINS},
     {KEY("window", "w", LOOKS, 0), .then = PILOT_WINDOWING, JOINS},
     {KEY("next-channel", "Y", MOVING | OUTLINES, 0), .command = "show-channel next\n", JOINS},
-    {KEY("alone", "f", LOOKS, 0), DO(pilot_show_alone, 0), HELP("one pane, all four")},
-    {KEY("command", ":", LOOKS, 0), .request = PILOT_PROMPT, HELP("a command"), HINT("command")},
-    {KEY("keys", "?", LOOKS, 0), .request = PILOT_SHOW_KEYS, HELP("these keys"), HINT("keys")},
+    {KEY("alone", "f", LOOKS, 0), DO(pilot_show_alone, 0), HELP("one pane, all four"),
+     TEXT("Show the active pane alone, or all four panes.")},
+    {KEY("command", ":", LOOKS, 0), .request = PILOT_PROMPT, HELP("a command"), HINT("command"),
+     TEXT("Type a command, as at the prompt; :q leaves the pilot.")},
+    {KEY("keys", "?", LOOKS, 0), .request = PILOT_SHOW_KEYS, HELP("these keys"), HINT("keys"),
+     TEXT("Show the keys; / finds them by a word, and a key shows its description.")},
     {KEY("redraw", "Ctrl-L", LOOKS, 0), .request = PILOT_REDRAW,
-     PAGE("Ctrl-L Ctrl-Z", "redraw; suspend")},
+     PAGE("Ctrl-L Ctrl-Z", "redraw; suspend"),
+     TEXT("Draw again, and ask the terminal for its features; {suspend} suspends iftty.")},
     {KEY("suspend", "Ctrl-Z", LOOKS, 0), .request = PILOT_SUSPEND, JOINS},
-    {KEY("leave", "q", LOOKS, 0), ALSO("Ctrl-D"), .request = PILOT_LEAVE,
-     HELP("back to the prompt"), HINT("back")},
+    {KEY("leave", "q", LOOKS, 0), ALSO("Ctrl-D Ctrl-O"), .request = PILOT_LEAVE,
+     HELP("back to the prompt"), HINT("back"), TEXT("Return to the prompt, as do Ctrl-O and :q.")},
 
     {KEY("eliminate-it", "x Enter", CONFIRMING, CHANGES), .command = "remove @\n",
      HINT("removes the hatched marker")},
@@ -381,43 +429,69 @@ static void add_entry(struct buf *out, const struct pilot_keys_wish *wish,
     out->failed |= keys.failed;
 }
 
+/* Return true for one of the keys, or the first key of one. */
+static bool has_key(const char *keys, const struct key_event *event)
+{
+    struct chord chord;
+    while (keys && chord_next(&keys, &chord))
+        if (chord_fits(&chord, 0, event) ||
+            (chord.leader && chord.leader == event->point && !event->modifiers))
+            return true;
+    return false;
+}
+
+/* Return true if the wanted key is a key of the row outside of modes. */
+static bool has_key_now(const struct pilot_row *row, const char *keys,
+                        const struct pilot_keys_wish *wish)
+{
+    return (!row->name || row->in & (wish->watches ? WATCHING : MOVING)) &&
+           (has_key(keys, wish->key) || has_key(row->also, wish->key));
+}
+
 static bool has_piece(const char *text, const char *piece)
 {
     return text && strcasestr(text, piece);
 }
 
-/* Add each matching action, below the heading of its part; `help` is that of its entry. */
+/* Add each matching action, below the heading of its part; `help` and `text` are those of its
+ * entry. */
 static void add_wanted(struct buf *out, const struct pilot_keys_wish *wish)
 {
-    const char *heading = NULL, *help = NULL;
+    const char *heading = NULL, *help = NULL, *text = NULL, *shown = NULL;
     const size_t before = out->length;
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
         OWNED(buf_release) struct buf keys = {0};
         const bool is_heading = !row->name && !row->help;
         const char *name = row->name ? row->name : "";
         heading = is_heading ? row->shown : heading;
+        text = row->help && !*row->help ? text : row->text;
         help = row->help && *row->help ? row->help : row->help ? help : row->hint;
         setup_add_keys(&keys, wish->setup, row, SIZE_MAX);
         if (!is_heading && is_on_page(row, wish->watches) &&
-            (has_piece(buf_text(&keys), wish->wanted) || has_piece(name, wish->wanted) ||
-             has_piece(help, wish->wanted) || has_piece(row->hint, wish->wanted))) {
+            (wish->key
+                 ? has_key_now(row, buf_text(&keys), wish)
+                 : has_piece(buf_text(&keys), wish->wanted) || has_piece(name, wish->wanted) ||
+                       has_piece(help, wish->wanted) || has_piece(row->hint, wish->wanted))) {
             if (heading)
                 add_heading(out, wish, heading);
             heading = NULL;
             buf_add_text(out, "  ");
             add_column(out, wish, buf_text(&keys), KEYS_WIDE);
             buf_printf(out, " %-*s  %s\n", NAME_WIDE, name, help ? help : "");
+            if (wish->key && text && text != shown)
+                setup_say(out, wish->setup, "    %s\n", text);
+            shown = text;
         }
         out->failed |= keys.failed;
     }
-    if (out->length == before)
+    if (out->length == before && !wish->key)
         buf_printf(out, "no key matches %s\n", wish->wanted);
 }
 
 void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish)
 {
     const struct pilot_row *left = NULL; /* entries are side by side; a heading begins a line */
-    if (wish->wanted && *wish->wanted) {
+    if (wish->key || (wish->wanted && *wish->wanted)) {
         add_wanted(out, wish);
         return;
     }

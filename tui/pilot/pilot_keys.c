@@ -260,7 +260,9 @@ enum pilot_request pilot_press(struct press *p)
     } else if (row) {
         carry_out(p, row);
     } else if (p->event->key != KEY_OTHER) {
-        pilot_say(p, "this key does nothing here; {keys} shows the keys");
+        const bool is_ctrl_c = p->event->modifiers == KEY_CONTROL && p->event->point == 'c';
+        pilot_say(p, is_ctrl_c ? "{leave} leaves"
+                               : "this key does nothing here; {keys} shows the keys");
     }
     state->count = state->leader = 0;
     if (p->request == PILOT_PROMPT || p->request == PILOT_LEAVE || p->line->length ||

@@ -123,6 +123,7 @@ enum pilot_request {
     PILOT_NOTHING,
     PILOT_PROMPT,
     PILOT_SHOW_KEYS,
+    PILOT_SHOW_LABELS,
     PILOT_REDRAW,
     PILOT_SUSPEND,
     PILOT_LEAVE
@@ -301,7 +302,7 @@ struct pilot_keys_wish {
 
 /* Add the page, part by part with headings: two entries on a line of at most 78 columns, or one, or
  * each on two lines, to be wrapped by cells_wrap. With `wanted`, each matching action is on a line
- * of its own, with its name. */
+ * of its own, with its name; with `key` too, with a description, or no line without such a key. */
 void pilot_keys_page(struct buf *out, const struct pilot_keys_wish *wish);
 
 /* Return the row of a key in the present mode; NULL if it has no effect. */
@@ -371,6 +372,7 @@ struct pilot_row {
     enum pilot_mode then; /* the mode afterwards; PILOT_MOVING means the state's `base` */
     unsigned flags;
     const char *help; /* on the page; "" joins the row before; NULL: none */
+    const char *text; /* its description and that of rows that join it, shown by `?` and the key */
     const char *hint; /* after its key, below the picture, in the modes of the row; or NULL */
 };
 
@@ -495,7 +497,7 @@ pilot_act pilot_repeat;
 pilot_act pilot_move, pilot_change_slice, pilot_to_slice, pilot_next_pane, pilot_set_mark,
     pilot_go_to_mark, pilot_measure, pilot_go_back, pilot_next_seed, pilot_explain,
     pilot_go_to_edge, pilot_go_to_hint, pilot_show_heat, pilot_undo, pilot_hide, pilot_show_all,
-    pilot_turn, pilot_roll, pilot_change_zoom, pilot_change_overlay, pilot_change_labels,
+    pilot_turn, pilot_roll, pilot_change_zoom, pilot_fit, pilot_change_overlay, pilot_change_labels,
     pilot_preset, pilot_magnify, pilot_recentre, pilot_pan, pilot_show_alone, pilot_begin_picking,
     pilot_end_picking, pilot_step, pilot_to_step;
 pilot_act pilot_choose_label, pilot_change_radius, pilot_change_unit, pilot_change_growth,

@@ -180,12 +180,24 @@ void pilot_end_range(struct press *p)
 
 /* ---- seeds ---- */
 
+/* Give the brush a label, and report it if that is another one. */
+static void set_label(struct press *p, uint32_t label)
+{
+    if (p->state->brush.label != label) {
+        buf_add_text(p->message, "brush ");
+        p->host->label(p->host->context, label, p->message);
+        buf_add_text(p->message, "; ");
+    }
+    p->state->brush.label = label;
+}
+
 /* The brush gets the label of the digit, if it exists. */
 static bool take_digit(struct press *p)
 {
     const uint32_t digit = p->event->point - '0';
     const bool exists = pilot_has_label(p, digit);
-    p->state->brush.label = exists ? digit : p->state->brush.label;
+    if (exists)
+        set_label(p, digit);
     return exists;
 }
 
@@ -210,7 +222,7 @@ void pilot_plant_at_edge(struct press *p)
     if (!pilot_has_edge(p) || (p->by && !take_digit(p)))
         return;
     if (!p->by)
-        state->brush.label = state->way.next;
+        set_label(p, state->way.next);
     if (!pilot_may_plant(p, true))
         return;
     pilot_jump(p, state->way.edge);

@@ -208,6 +208,13 @@ static enum line_editor_act do_action(struct line_editor *e, enum line_action ac
     return DUTY_NONE;
 }
 
+/* Leave a line of a full screen, empty. */
+static enum line_editor_act leave_empty(struct line_editor *e)
+{
+    line_clear(&e->line);
+    return DUTY_SUBMIT;
+}
+
 static enum line_editor_act key_by_table(struct line_editor *e, const struct key_event *event)
 {
     const unsigned found = line_key_find(event, e->keys_before);
@@ -221,6 +228,8 @@ static enum line_editor_act key_by_table(struct line_editor *e, const struct key
         return DUTY_NONE;
     case DUTY_DELETE_OR_END:
         return e->line.text.length == 0 ? DUTY_END : do_action(e, LINE_DELETE);
+    case DUTY_ABANDON:
+        return e->is_one_line ? leave_empty(e) : DUTY_ABANDON;
     case DUTY_OTHER_EDITOR: /* not for a single line on a full screen */
         return e->is_one_line ? DUTY_NONE : DUTY_OTHER_EDITOR;
     case DUTY_HOST_LINE:
@@ -239,10 +248,8 @@ static enum line_editor_act key_by_table(struct line_editor *e, const struct key
 static enum line_editor_act plain_key(struct line_editor *e, const struct key_event *event)
 {
     const bool held = event->modifiers & (KEY_CONTROL | KEY_ALT);
-    if (event->key == KEY_ESCAPE && e->is_one_line) {
-        line_clear(&e->line);
-        return DUTY_SUBMIT;
-    }
+    if (event->key == KEY_ESCAPE && e->is_one_line)
+        return leave_empty(e);
     if (event->key != KEY_CHARACTER || held || *e->keys_before)
         return key_by_table(e, event);
     line_insert(&e->line, event->text, event->length);
@@ -280,7 +287,7 @@ static enum line_editor_act paste_key(struct line_editor *e, const struct key_ev
     const bool is_key = !e->is_one_line || e->taken == e->input.length;
     if (event->key == KEY_CHARACTER && control && event->point == 'c' && is_key) {
         e->pasting = false;
-        return DUTY_ABANDON;
+        return e->is_one_line ? leave_empty(e) : DUTY_ABANDON;
     }
     if (event->key == KEY_ENTER && !e->is_one_line)
         return e->line.text.length ? DUTY_HOLD : DUTY_NONE;
