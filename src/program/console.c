@@ -61,7 +61,7 @@ static struct watch watch;
 static bool poll_watch(void *context, const char *what, uint64_t done, uint64_t total)
 {
     static bool taking_back;
-    const bool stop = interrupted;
+    const bool stop = interrupted || (onlooker && onlooker->stops(onlooker->context));
     char words[40];
     (void)context;
     if (stop && !taking_back)

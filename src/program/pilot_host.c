@@ -647,6 +647,12 @@ static bool onlooker_wants(void *context)
     return session_of(context)->has_scene && pilot->onlooker->wants(pilot->onlooker->context);
 }
 
+static bool onlooker_stops(void *context)
+{
+    const struct pilot_interpreter *pilot = context;
+    return pilot->onlooker->stops && pilot->onlooker->stops(pilot->onlooker->context);
+}
+
 static void onlooker_draws(void *context)
 {
     const struct pilot_interpreter *pilot = context;
@@ -662,7 +668,8 @@ static void host_look_on(void *context, const struct pilot_onlooker *onlooker)
 {
     struct pilot_interpreter *pilot = context;
     pilot->onlooker = onlooker;
-    pilot->looks_on = (struct console_onlooker){pilot, onlooker_wants, show_to_onlooker};
+    pilot->looks_on =
+        (struct console_onlooker){pilot, onlooker_wants, show_to_onlooker, onlooker_stops};
     console_look_on(onlooker ? &pilot->looks_on : NULL);
 }
 

@@ -153,11 +153,12 @@ void console_handle_interrupts(void);
 void console_forget_interrupt(void);
 
 /* An onlooker: `wants` is called each time the watch is polled, and `show` then when the work can
- * be shown (base/watch.h). NULL: none. It is borrowed. */
+ * be shown (base/watch.h); `stops` returns true to stop the work. NULL: none. It is borrowed. */
 struct console_onlooker {
     void *context;
     bool (*wants)(void *context);
     void (*show)(void *context);
+    bool (*stops)(void *context);
 };
 void console_look_on(const struct console_onlooker *onlooker);
 

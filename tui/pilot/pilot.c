@@ -444,6 +444,19 @@ static bool read_keys_ahead(struct pilot *p, uint64_t now_ns)
     return true;
 }
 
+/* Return true if a key to leave was typed where nothing is recorded: keys before it do not
+ * matter. */
+static bool is_left(void *context)
+{
+    const struct pilot *p = context;
+    size_t i = p->ahead.taken;
+    const struct pilot_row *row = NULL;
+    do /* up to a key that is no action alone: text may follow */
+        row = i < p->ahead.count ? pilot_row_of(p->state, p->ahead.event + i++) : NULL;
+    while (row && row->request == PILOT_NOTHING);
+    return p->state->watches && row && row->request == PILOT_LEAVE;
+}
+
 static bool wants_show(void *context)
 {
     struct pilot *p = context;
@@ -481,7 +494,7 @@ static void show_so_far(void *context)
 static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
                           enum err *of_command, struct fault *fault)
 {
-    const struct pilot_onlooker onlooker = {p, NULL, wants_show, show_so_far};
+    const struct pilot_onlooker onlooker = {p, is_left, wants_show, show_so_far};
     const struct pilot_host *host = p->host;
     struct fault why = {0};
     enum err err = go_to_last_row("", fault);
@@ -499,7 +512,7 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
         say_error(p, &why);
     p->is_stale = true;
     p->finish_failed = false;
-    p->is_over = host->finished(host->context);
+    p->is_over = host->finished(host->context) || is_left(p);
     return err;
 }
 
