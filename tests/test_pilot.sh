@@ -579,9 +579,10 @@ begin "keys typed while a command runs are taken after it, in their order"
 rm -f synth-*.iftty
 enter_anew "$iftty --graphics blocks synth:geom:240x240x240" '^Ctrl-O: the pilot'
 pressing C-o '^axial at 120,120,120'
-type_letters "ilK2ls2u"
-comes_true grep -q '^undo$' synth-1.iftty || fail "$(cat synth-1.iftty)"
-same "$(grep -v '^[=#]' synth-1.iftty | tail -n 6 | paste -s -d ' ')" \
+type_letters "ilK2ls2u:label 5 typed"
+press Enter
+comes_true grep -q '^label 5 typed$' synth-1.iftty || fail "$(cat synth-1.iftty)"
+same "$(grep -v '^[=#]' synth-1.iftty | tail -n 7 | head -n 6 | paste -s -d ' ')" \
     "seed 120,120,120 1 radius=3 cross 119,120,120 cross 119,120,121 cross 117,120,121 \
 seed 117,120,121 2 radius=3 undo"
 type_letters "q"

@@ -649,12 +649,51 @@ static enum err show_pages(struct pilot *p, const struct buf *text, struct fault
     return err || is_shown ? err : show_by_pages(p, text, fault);
 }
 
+/* Insert bytes before all input that the line editor has not handled yet. */
+static enum err insert_input(struct pilot *p, struct buf *bytes, struct fault *fault)
+{
+    struct line_editor *e = p->editor;
+    buf_add(bytes, buf_text(&e->input) + e->taken, e->input.length - e->taken);
+    if (bytes->failed)
+        return fault_memory(fault, "the text typed");
+    const struct buf former = e->input;
+    e->input = *bytes;
+    e->taken = 0;
+    *bytes = former;
+    return OK;
+}
+
+/* Return keys to the input that were typed ahead: they are text of the line. */
+static enum err return_typed(struct pilot *p, struct fault *fault)
+{
+    OWNED(buf_release) struct buf bytes = {0};
+    struct key_event event;
+    while (typed_ahead_take(&p->ahead, &event)) {
+        if (event.key == KEY_PASTE_END) { /* a line of its own, after this one */
+            typed_ahead_put_back(&p->ahead, &event);
+            break;
+        }
+        const bool is_plain = event.key == KEY_CHARACTER && event.modifiers == 0;
+        const bool is_control = event.key == KEY_CHARACTER && event.modifiers == KEY_CONTROL;
+        buf_add(&bytes, event.text, is_plain ? event.length : 0);
+        if (!is_plain)
+            buf_add_char(&bytes, is_control                   ? (char)(event.point & 31)
+                                 : event.key == KEY_ENTER     ? '\r'
+                                 : event.key == KEY_TAB       ? '\t'
+                                 : event.key == KEY_BACKSPACE ? '\177'
+                                                              : '\3'); /* leaves the line */
+    }
+    return insert_input(p, &bytes, fault);
+}
+
 static enum err ask_for_command(struct pilot *p, struct fault *fault)
 {
     OWNED(buf_release) struct buf output = {0};
     enum err of_command = OK;
     bool ended = false;
     enum err err = go_to_last_row("\033[K\033[?25h", fault);
+    if (!err)
+        err = return_typed(p, fault);
     p->editor->is_one_line = true;
     if (!err)
         err = line_edit(p->editor, ":", &ended, fault);
@@ -680,20 +719,13 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
 /* Pass pasted text to the line editor as a paste, before all later input. */
 static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
 {
-    struct line_editor *e = p->editor;
-    struct buf input = {0};
+    OWNED(buf_release) struct buf input = {0};
     buf_add_text(&input, "\033[200~");
     buf_add(&input, buf_text(&p->pasted), p->pasted.length);
     buf_add_text(&input, "\033[201~");
-    buf_add(&input, buf_text(&e->input) + e->taken, e->input.length - e->taken);
+    input.failed |= p->pasted.failed;
     buf_clear(&p->pasted);
-    if (input.failed || p->pasted.failed) {
-        buf_release(&input);
-        return fault_memory(fault, "the pasted text");
-    }
-    buf_release(&e->input);
-    e->input = input;
-    e->taken = 0;
+    TRY(insert_input(p, &input, fault));
     return ask_for_command(p, fault);
 }
 
