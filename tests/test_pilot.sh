@@ -217,7 +217,7 @@ pressing Escape '^i seed ' # the row above stays while a line is edited
 
 begin "/ shows the keys that have a word in them"
 typing "?" '^Planting$'
-typing "/contour" '^/contour$' '^  o  *overlay  *contour; finish; greys$'
+typing "/greys" '^/greys$' '^  o  *overlay  *labels; greys; channel$'
 pressing Enter '^a key shows its description; / finds keys by a word; Escape leaves$'
 pressing Escape '^coronal at [0-9]*,13,[0-9]* '
 recorded "remove 11,13,9"
@@ -266,7 +266,7 @@ commanding "sed 1" 'error: unknown command sed'
 begin "an answer longer than the screen comes page by page"
 commanding "help all" '^The scene'
 see '^-- more --$'
-pressing Space '^outline X,Y,Z '
+pressing Space '^box X,Y,Z '
 typing "q" '^coronal at [0-9]*,13,[0-9]* '
 commanding "help all" '^The scene'
 is_another_page() {
