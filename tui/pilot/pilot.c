@@ -430,6 +430,15 @@ static bool read_key(struct pilot *p, struct key_event *event);
 #define SHOWN_EVERY_NS UINT64_C(100000000)
 #define READ_EVERY_NS  UINT64_C(10000000)
 
+/* Keys are read ahead up to the first that does more than move the cross-hair: the text after a
+ * colon is read by the line editor. */
+static bool takes_ahead(const struct pilot *p)
+{
+    const struct typed_ahead *ahead = &p->ahead;
+    return typed_ahead_has_room(ahead) &&
+           (!ahead->count || pilot_only_moves(p->state, ahead->event + ahead->count - 1));
+}
+
 /* Read keys; return false if it is too early. */
 static bool read_keys_ahead(struct pilot *p, uint64_t now_ns)
 {
@@ -437,9 +446,10 @@ static bool read_keys_ahead(struct pilot *p, uint64_t now_ns)
     if (p->is_showing || now_ns < p->reads_ns)
         return false;
     p->reads_ns = now_ns + READ_EVERY_NS;
-    if (typed_ahead_has_room(&p->ahead) && term_read(&p->editor->input, 0, -1) == TERM_BYTES)
-        while (typed_ahead_has_room(&p->ahead) && read_key(p, &event))
-            typed_ahead_add(&p->ahead, &event);
+    if (takes_ahead(p))
+        term_read(&p->editor->input, 0, -1);
+    while (takes_ahead(p) && read_key(p, &event))
+        typed_ahead_add(&p->ahead, &event);
     p->wanted_ns = now_ns;
     return true;
 }

@@ -89,8 +89,9 @@ const struct pilot_row *pilot_row_of(const struct pilot_state *state, const stru
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event)
 {
     const struct pilot_row *row = pilot_row_of(state, event);
+    const bool counts = event->key == KEY_CHARACTER && event->point >= '0' && event->point <= '9';
     return !state->pen.is_down && !pilot_outlines(state->base) &&
-           (row ? row->flags & PILOT_ONLY_MOVES : !(event->modifiers & KEY_ALT));
+           (row ? row->flags & PILOT_ONLY_MOVES : counts && !event->modifiers);
 }
 
 /* ---- a key that waits for a second one ---- */
