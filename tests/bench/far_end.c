@@ -23,8 +23,10 @@ enum {
 
 #define PATIENCE_NS UINT64_C(60000000000) /* without a byte */
 #define IDLE_NS     UINT64_C(10000000000) /* without a byte, and without processor time */
-#define STILL_NS    UINT64_C(250000000)   /* nothing came for so long, and the line's round trip */
-#define POLL_NS     UINT64_C(5000000)
+#define STILL_NS                                                                                   \
+    UINT64_C(250000000) /* nothing came, and the program did nothing, for so long
+                                              and the line's round trip */
+#define POLL_NS UINT64_C(5000000)
 
 /* One direction of the line: packets in the order in which they arrive. */
 struct lane {
@@ -52,6 +54,7 @@ struct far_end {
     bool is_ahead;              /* the picture that came last is not shown yet */
     bool counts_ahead;          /* as something that comes */
     bool has_rows;              /* rows of text since the last barrier */
+    bool is_soon;               /* what is awaited is enough */
     uint64_t worked_ns;         /* the program, before the result at hand */
     struct far_result *result;
 };
@@ -246,13 +249,15 @@ static enum err rest(struct far_end *e, struct fault *fault)
     uint64_t worked = 0, busy_ns = 0;
     for (;;) {
         const uint64_t now_ns = clock_ns(), last_ns = e->result->last_ns;
-        if (!*e->awaited && (e->here.packets == 0 || e->is_ahead) && now_ns > last_ns + still_ns) {
-            e->result->processor_ns = worked_ns(e) - e->worked_ns;
-            return OK;
-        }
         const uint64_t work = worked_ns(e);
         busy_ns = work != worked ? now_ns : busy_ns;
         worked = work;
+        const uint64_t later_ns = last_ns > busy_ns || e->is_ahead ? last_ns : busy_ns;
+        const bool rests = (e->here.packets == 0 || e->is_ahead) && now_ns > later_ns + still_ns;
+        if (!*e->awaited && (e->is_soon || rests)) {
+            e->result->processor_ns = work - e->worked_ns;
+            return OK;
+        }
         if (now_ns > last_ns + PATIENCE_NS ||
             (now_ns > last_ns + IDLE_NS && now_ns > busy_ns + IDLE_NS))
             return fault_set(fault, ERR_IO, "the program showed nothing for %u s",
@@ -267,6 +272,15 @@ enum err far_end_press(struct far_end *e, const char *keys, const char *const *a
 {
     begin(e, keys, awaited, out);
     return rest(e, fault);
+}
+
+enum err far_end_press_soon(struct far_end *e, const char *keys, const char *const *awaited,
+                            struct far_result *out, struct fault *fault)
+{
+    e->is_soon = true;
+    const enum err err = far_end_press(e, keys, awaited, out, fault);
+    e->is_soon = false;
+    return err;
 }
 
 enum err far_end_hold(struct far_end *e, const char *key, unsigned times, double every_ms,

@@ -55,6 +55,10 @@ struct far_result {
 enum err far_end_press(struct far_end *e, const char *keys, const char *const *awaited,
                        struct far_result *out, struct fault *fault);
 
+/* Press keys, and wait only until the texts of `awaited` have arrived: the program may go on. */
+enum err far_end_press_soon(struct far_end *e, const char *keys, const char *const *awaited,
+                            struct far_result *out, struct fault *fault);
+
 /* Hold a key: press it `times` times at that interval. Count the frames meanwhile, and wait as
  * above; pressed_ns is the last press. */
 enum err far_end_hold(struct far_end *e, const char *key, unsigned times, double every_ms,

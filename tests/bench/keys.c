@@ -12,9 +12,12 @@
  *     kB         what the program wrote until then
  *     processor  what it had of processors until all was at rest
  *
- * While nobody presses a key, kB are what is sent ahead, and finest is when that ended. Last the
+ * While nobody presses a key, kB are what is sent ahead, and finest is when that ended. Then the
  * same journal is watched: a step is shown when its gesture is, drawn in slices that were not seen
  * before; the finest is what it led to, which comes after a moment.
+ *
+ * Last a new session is begun on the scene, some times: gestures that change much of it, each
+ * undone and repeated. The first picture is that with the answer, of the finished forest.
  *
  * The figures of the first run are stored beside the program, in bench-keys.txt, and later ones
  * printed as shares of them; what has become worse has a line of its own. Remove the file to begin
@@ -30,7 +33,14 @@
 #include "tests/bench/times.h"
 #include "tests/bench/far_end.h"
 
-enum { KEYS_MOST = 24, STARTS = 9, JOURNAL_MOST = 64 << 20, STORED_MOST = 1 << 20 };
+enum {
+    KEYS_MOST = 24,
+    STARTS = 9,
+    SESSIONS = 3,
+    MEANWHILES = 6,
+    JOURNAL_MOST = 64 << 20,
+    STORED_MOST = 1 << 20
+};
 
 /* A frame that shows something ends with rows of text, and then the barrier. */
 static const char *const prompt[] = {"> ", NULL}, *const frame[] = {"\033[K", "\033[c", NULL};
@@ -67,6 +77,18 @@ enum {
     IDLE,
     STEP,
     BACK,
+    BALL,
+    BALL_UNDO,
+    BALL_REDO,
+    AROUND,
+    AROUND_UNDO,
+    AROUND_REDO,
+    STROKE,
+    STROKE_UNDO,
+    STROKE_REDO,
+    HINT,
+    HEAT,
+    MEANWHILE,
     KINDS
 };
 static const struct words key_words[KINDS] = {
@@ -89,7 +111,19 @@ static const struct words key_words[KINDS] = {
     [HELD_DRAG] = {"held_drag", "l held, dragging: frames a second"},
     [IDLE] = {"idle", "no key for ten seconds"},
     [STEP] = {"step", "watching: a step on"},
-    [BACK] = {"step_back", "watching: a step back"}};
+    [BACK] = {"step_back", "watching: a step back"},
+    [BALL] = {"ball", "i: the first ball"},
+    [BALL_UNDO] = {"ball_undo", "u: undo of it"},
+    [BALL_REDO] = {"ball_redo", "Ctrl-R: redo of it"},
+    [AROUND] = {"background", "s0: a ball of background"},
+    [AROUND_UNDO] = {"background_undo", "u: undo of it"},
+    [AROUND_REDO] = {"background_redo", "Ctrl-R: redo of it"},
+    [STROKE] = {"stroke", "i: a stroke through a leak"},
+    [STROKE_UNDO] = {"stroke_undo", "u: undo of it"},
+    [STROKE_REDO] = {"stroke_redo", "Ctrl-R: redo of it"},
+    [HINT] = {"hint", "): the first hint"},
+    [HEAT] = {"heat", "gh: heat"},
+    [MEANWHILE] = {"meanwhile", "+: while labels are finished"}};
 
 /* Less is better, but of frames a second; what is below `noise` says nothing. */
 enum { FIRST, FINEST, BYTES, PROCESSOR, COLUMNS };
@@ -182,15 +216,22 @@ static void take_result(double of[COLUMNS], const struct far_result *result)
     of[PROCESSOR] = (double)result->processor_ns / 1e6;
 }
 
-static void timed_press(struct far_end *e, const char *keys, struct pressed *p)
+/* The first picture is that with a row that has the word. */
+static void press_until(struct far_end *e, const char *keys, const char *word, struct pressed *p)
 {
+    const char *const awaited[] = {word, "\033[c", NULL};
     struct far_result result;
-    must(far_end_press(e, keys, frame, &result, &bench_fault));
+    must(far_end_press(e, keys, awaited, &result, &bench_fault));
     double of[COLUMNS] = {[FIRST] = times_between(result.pressed_ns, result.came_ns[1])};
     take_result(of, &result);
     for (int c = 0; c < COLUMNS; c++)
         p->of[c][p->keys] = of[c];
     p->keys++;
+}
+
+static void timed_press(struct far_end *e, const char *keys, struct pressed *p)
+{
+    press_until(e, keys, frame[0], p);
 }
 
 static struct key_figures medians(struct pressed *p)
@@ -315,6 +356,55 @@ static void time_steps(const struct figures *f, char *journal, const char *home,
     far_end_free(e);
 }
 
+/* Gestures in a new session; the keys of `way` lead to each. */
+static void time_session(struct far_end *e, struct pressed pressed[KINDS])
+{
+    static const struct {
+        int kind;
+        const char *way, *keys;
+    } gesture[] = {{BALL, "3L", "i"}, {AROUND, "4L", "s0"}, {STROKE, "14Hs080JI14L", "i"}};
+    static const char *const loaded[] = {"> ", "voxels of", "> ", NULL}, *const undone[] = {
+                                                                             "undone", "\033[c",
+                                                                             NULL};
+    static const char changed[] = "changed before";
+    struct far_result result;
+    press(e, "", loaded);
+    press(e, "pilot\r", frame);
+    for (size_t i = 0; i < sizeof gesture / sizeof gesture[0]; i++) {
+        press(e, gesture[i].way, frame);
+        press_until(e, gesture[i].keys, changed, &pressed[gesture[i].kind]);
+        press_until(e, "u", "undone", &pressed[gesture[i].kind + 1]);
+        press_until(e, "\022", changed, &pressed[gesture[i].kind + 2]);
+    }
+    press_until(e, ")", "at a cost", &pressed[HINT]);
+    press_until(e, "gh", "red, where", &pressed[HEAT]);
+    press(e, "gh", frame);
+    for (unsigned i = 0; i < MEANWHILES; i++) {
+        must(far_end_press_soon(e, "u", undone, &result, &bench_fault));
+        must(far_end_wait(e, 90 * i, &result, &bench_fault));
+        press_until(e, "+", "the brush", &pressed[MEANWHILE]);
+        press(e, "\022", frame);
+    }
+}
+
+static void time_gestures(const struct figures *f, const struct graphics *graphics,
+                          const struct far_line *line, struct key_figures out[KINDS])
+{
+    OWNED(mem_release) struct pressed *pressed = must_have(KINDS * sizeof *pressed);
+    for (unsigned i = 0; i < (f->quick ? 1 : SESSIONS); i++) {
+        struct far_end *e = NULL;
+        const char *folder = bench_folder(NULL);
+        char journal[PATH_MAX];
+        snprintf(journal, sizeof journal, "%s/bench.iftty", folder);
+        char *const argument[] = {"iftty", "--journal", journal, f->scene.data, NULL};
+        must(far_end_new(&e, f->program, argument, folder, graphics, line, &bench_fault));
+        time_session(e, pressed);
+        far_end_free(e);
+    }
+    for (int k = BALL; k <= MEANWHILE; k++)
+        out[k] = medians(&pressed[k]);
+}
+
 /* On a copy of the journal in a folder of its own, which becomes the program's home. */
 static void time_keys(const struct figures *f, const struct graphics *graphics,
                       const struct far_line *line, unsigned keys, struct key_figures out[KINDS])
@@ -331,6 +421,8 @@ static void time_keys(const struct figures *f, const struct graphics *graphics,
     press_all(e, keys, out);
     far_end_free(e);
     time_steps(f, path, folder, graphics, line, keys / 3, out);
+    if (graphics == piloted[0])
+        time_gestures(f, graphics, line, out);
 }
 
 static void time_pilot(struct figures *f)
@@ -404,7 +496,7 @@ static bool is_worse(int kind, int c, double now, double then)
 static void print_keys(const struct key_figures key[KINDS], const char *pilot)
 {
     double then[COLUMNS];
-    for (int k = 0; k < KINDS; k++) {
+    for (int k = 0; k < KINDS && key[k].keys; k++) {
         printf("        %-31s", key_words[k].text);
         for (int c = 0; c < COLUMNS; c++)
             printf(" %9.2f", key[k].of[c]);
