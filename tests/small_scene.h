@@ -243,6 +243,17 @@ static inline bool tally_check(const struct tally *tally, const struct labels *l
                             memcmp(anew.voxels, tally->voxels, sizeof anew.voxels) == 0);
 }
 
+/* Digest of the rendition, if there is one; edits since it was drawn wait until it is wanted. */
+static inline uint64_t updated_picture(struct session *session)
+{
+    struct pictures *p = session->pictures;
+    struct labels labels;
+    if ((p->waits.count || !p->waits.follows) && !watch_stops(session->scene->watch))
+        CHECK(session_labels(session, p->rendered == RENDERED_FINISHED, &labels, NULL) == OK &&
+              session_draw_labels(session, &labels, RENDER_AS_KEPT, NULL) == OK);
+    return rendition_digest(&p->rendition);
+}
+
 static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
 {
     struct session *session = interp->session;
@@ -284,7 +295,7 @@ static inline void take_snapshot(struct snapshot *s, struct interpreter *interp)
     s->labels = forest_label_digest(session->forest);
     s->seeds = forest_seeds(session->forest);
     s->border = border_count(&session->border);
-    s->picture = s->rendered ? rendition_digest(&session->pictures->rendition) : 0;
+    s->picture = s->rendered ? updated_picture(session) : 0;
     CHECK(forest_check(session->forest, NULL));
     CHECK(border_check(&session->border, NULL));
 }

@@ -212,3 +212,37 @@ OUTLINE_STORY(a_pixel_of_the_rendition_is_one_of_its_pane)
     }
     panes_release(&pilot.panes);
 }
+
+static bool stops(void *context)
+{
+    return --*(int *)context < 0;
+}
+
+/* A full rendition is stopped by a key, any number of times, and is the same in the end. */
+OUTLINE_STORY(a_picture_that_was_stopped_is_drawn_the_next_time)
+{
+    int looks = 0, stopped = 0;
+    const struct pilot_onlooker onlooker = {.context = &looks, .stops = stops};
+    const struct pilot_wish plain = {
+        .width = 320, .height = 320, .cell_width = 8, .cell_height = 16};
+    struct pilot_wish wish = plain;
+    struct image_view view;
+    OWNED(buf_release) struct buf expected = {0};
+    wish.onlooker = &onlooker;
+    interpreter_release(&interp);
+    begin_interpreter(&interp);
+    must(&interp, "open synth:geom:80x80x80; seed 12,14,9 1 radius=3; seed 2,2,2 0; run");
+    CHECK(host.picture(&pilot, &plain, &view, NULL) == OK);
+    buf_add(&expected, (const char *)view.rgba, 4 * 320 * 320);
+    must(&interp, "seed 20,20,20 1 radius=5; run");
+    CHECK(host.picture(&pilot, &plain, &view, NULL) == OK);
+    must(&interp, "undo");
+    for (enum err err = ERR_CANCELLED; err == ERR_CANCELLED && stopped < 1000; stopped++) {
+        looks = stopped;
+        err = host.picture(&pilot, &wish, &view, &fault);
+        CHECK(err == OK || err == ERR_CANCELLED);
+    }
+    CHECK(stopped > 1 && stopped < 1000);
+    CHECK(memcmp(view.rgba, expected.data, expected.length) == 0);
+    panes_release(&pilot.panes);
+}

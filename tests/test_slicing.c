@@ -650,6 +650,12 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     CHECK(differing(&hasty, &fine, &panel, true) > 1000);
     CHECK(!is_hasty(AT_ONCE_NS, &panel, &hasty)); /* it is there */
     CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
+    must(&interp, "seed 7,7,7 4 radius=3; run"); /* much changes: the former rendition stays */
+    CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));
+    CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
+    must(&interp, "undo");
+    CHECK(!is_hasty(0, &panel, &hasty));
+    CHECK_INT(differing(&hasty, &fine, &panel, true), 0);
     must(&interp, "turn 20");
     interp.session->pictures->coarse.took_ns = UINT64_MAX;
     CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));

@@ -511,12 +511,25 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
     return err;
 }
 
+static bool poll_drawing(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    const struct pilot_wish *wish = *(const struct pilot_wish **)context;
+    (void)what, (void)done, (void)total;
+    return wish->onlooker->stops(wish->onlooker->context);
+}
+
 static enum err host_picture(void *context, const struct pilot_wish *wish, struct image_view *view,
                              struct fault *fault)
 {
     struct pilot_interpreter *pilot = context;
     const struct panes *panes = &pilot->panes;
-    TRY(draw(pilot, wish, fault));
+    struct scene *scene = session_of(context)->scene;
+    struct watch *const former = scene->watch, watch = {.context = &wish, .poll = poll_drawing};
+    scene->watch = wish->onlooker ? &watch : former;
+    const enum err err = draw(pilot, wish, fault);
+    scene->watch = former;
+    if (err)
+        return err;
     for (enum pilot_pane pane = PILOT_AXIAL; pane < PILOT_RENDITION; pane++)
         pilot->slice[pane] = panes_box(panes, pane);
     *view = (struct image_view){.width = wish->width,
@@ -706,8 +719,15 @@ static enum err host_finish(void *context, const struct pilot_onlooker *onlooker
     struct finishing f = {session_of(context),
                           onlooker,
                           {.context = &f, .poll = poll_finishing, .show = show_finishing}};
-    TRY(session_refine(f.session, &f.watch, fault));
-    return interpreter_write_losses(pilot->interp, NULL, news, fault);
+    struct scene *scene = f.session->scene;
+    struct watch *const former = scene->watch;
+    struct labels exact;
+    scene->watch = &f.watch;
+    enum err err = session_labels(f.session, true, &exact, fault);
+    scene->watch = former;
+    if (!err)
+        err = interpreter_write_losses(pilot->interp, &f.watch, news, fault);
+    return err ? err : session_refine(f.session, &f.watch, fault);
 }
 
 static void host_preview_cross(void *context, const uint32_t place[3])

@@ -343,8 +343,7 @@ bool session_is_held(const struct session *session, const struct held *held, uin
  * until the run after it. */
 enum err session_note_eliminator(struct session *session, uint32_t cell, struct fault *fault);
 
-/* Apply the pending edits, and update the border and, incrementally, the rendition. Does nothing
- * without pending edits. */
+/* Apply the pending edits, and update the border. Does nothing without pending edits. */
 enum err session_run(struct session *session, struct fault *fault);
 
 /* ---- answers about labels: not for a session that skims ---- */

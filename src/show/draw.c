@@ -84,7 +84,8 @@ static const struct look *look_of(const struct pictures *p)
 
 /* ---- memory ---- */
 
-enum { COARSE = 2 }; /* side of a coarse pixel, in pixels */
+enum { COARSE = 2 };            /* side of a coarse pixel, in pixels */
+enum { FEW_CHANGES = 1 << 14 }; /* changed voxels; fewer update a rendition at once */
 
 static void forget_coarse(struct coarse *coarse)
 {
@@ -142,6 +143,7 @@ static void release_pictures(struct pictures *p)
 {
     pictures_release_rendition(p);
     leave_scene(p);
+    change_log_release(&p->waits);
     mip_release(&p->context.mip);
     free(p);
 }
@@ -155,7 +157,8 @@ static void count_memory(const struct pictures *p, struct session_memory *memory
                         layers_bytes(&p->layers) + rendition_bytes(&p->coarse.rendition) +
                         layers_bytes(&p->coarse.layers) + mip_bytes(&p->context.mip) +
                         (size_t)4 * frame->width * frame->height + 4 * p->decorated_pixels +
-                        shader_bytes(&p->shader) + mesh_bytes(&p->mesh);
+                        shader_bytes(&p->shader) + mesh_bytes(&p->mesh) +
+                        p->waits.capacity * sizeof *p->waits.item;
 }
 
 /* ---- the camera ---- */
@@ -338,7 +341,7 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
     if (!err && !p->take)
         err = put_context(p, fault);
     p->coarse.took_ns = clock_ns() - begin_ns;
-    return err ? err : watch_fault(p->session->watch, fault);
+    return err ? err : watch_fault(p->session->scene->watch, fault);
 }
 
 /* A pane enlarges by whole numbers only. */
@@ -385,6 +388,19 @@ static const struct border *border_of(const struct pictures *p, enum rendered as
     return as == RENDERED_FINISHED ? &p->live.border : &p->session->border;
 }
 
+/* Update the rendition by the changes that wait. */
+static enum err update_rendition(struct pictures *p, enum rendered as, struct fault *fault)
+{
+    const struct changes changes = {.count = p->waits.count, .item = p->waits.item};
+    outdate_rendition(p);
+    p->drawings++;
+    TRY(incremental_image(&p->rendition, &p->camera, &p->mesh, border_of(p, as), look_of(p),
+                          &changes, p->session->team, fault));
+    TRY(shade_rendition(p, fault));
+    TRY(put_context(p, fault));
+    return watch_fault(p->session->scene->watch, fault);
+}
+
 /* Draw in this view. The session must not skim. */
 static enum err draw_at(struct pictures *p, const struct view *view, enum rendered as,
                         enum render_mode mode, struct fault *fault)
@@ -392,32 +408,25 @@ static enum err draw_at(struct pictures *p, const struct view *view, enum render
     TRY(take_view(p, view, fault));
     TRY(make_room(p, mode, fault));
     const bool draws_anew = mode == RENDER_SCENE || mode == RENDER_BORDER || mode == RENDER_RAY;
-    if (p->rendered == as && !draws_anew)
+    const bool is_updated = p->rendered == as && p->waits.follows && !draws_anew;
+    if (is_updated && !p->waits.count)
         return OK;
-    enum err err = draw_border(p, border_of(p, as), mode, fault);
+    const enum err err =
+        is_updated ? update_rendition(p, as, fault) : draw_border(p, border_of(p, as), mode, fault);
     p->rendered = err ? RENDERED_NOT : as;
-    return err;
+    return change_log_settle(&p->waits, err);
 }
 
-/* Update the rendition after a change of its labels, whose border is up to date. After an error it
- * is drawn when it is wanted. */
-static void follow_rendition(struct pictures *p, enum rendered as, const struct changes *changes)
+/* Note a change of labels, whose border is up to date. The rendition is updated when it is
+ * wanted. */
+static void note_changes(struct pictures *p, enum rendered as, const struct changes *changes)
 {
-    const struct border *border = border_of(p, as);
-    mesh_note(&p->mesh, border, changes);
-    p->drawings++;
+    mesh_note(&p->mesh, border_of(p, as), changes);
     if (p->rendered != as)
         return;
-    outdate_rendition(p);
+    change_log_add(&p->waits, changes, p->session->scene->grid.voxels);
     if (!p->rendition.depth)
-        return;
-    enum err err = incremental_image(&p->rendition, &p->camera, &p->mesh, border, look_of(p),
-                                     changes, p->session->team, NULL);
-    if (!err)
-        err = shade_rendition(p, NULL);
-    if (!err)
-        err = put_context(p, NULL);
-    p->rendered = err ? RENDERED_NOT : as;
+        outdate_rendition(p);
 }
 
 /* ---- finished labels in panels ---- */
@@ -502,7 +511,8 @@ static void take_changes(struct pictures *p, struct change *change, size_t count
     border_update(&p->live.border, &changes);
     tally_follow(&p->live.tally, &changes, NULL);
     label_measures_follow(&p->live.measures, &changes);
-    follow_rendition(p, RENDERED_FINISHED, &changes);
+    note_changes(p, RENDERED_FINISHED, &changes);
+    p->drawings++;
     free(change);
     if (watch_stops(p->session->scene->watch))
         drop_live(p);
@@ -616,6 +626,7 @@ static void mark_pictures(struct pictures *p)
 {
     p->former.rendered = session_is_rough(p->session) ? RENDERED_NOT : p->rendered;
     p->former.drawings = p->drawings;
+    p->former.waits = p->waits;
     p->former.camera = p->camera;
     if (has_edited(p->session)) /* made by the command before this one */
         p->tally_before_edit = p->former.tally;
@@ -633,6 +644,8 @@ static void take_back_pictures(struct pictures *p)
     } else if (p->drawings == p->former.drawings) {
         p->camera = p->former.camera;
         p->rendered = as;
+        p->waits.follows = p->former.waits.follows && (p->waits.follows || !p->former.waits.count);
+        p->waits.count = p->former.waits.count;
     } else if (!session_labels(p->session, as == RENDERED_FINISHED, &labels, NULL)) {
         session_draw_labels(p->session, &labels, RENDER_AS_KEPT, NULL);
     }
@@ -646,7 +659,7 @@ static void settle_pictures(struct pictures *p)
 
 static void follow_edit(struct pictures *p, const struct changes *changes)
 {
-    follow_rendition(p, RENDERED_FOREST, changes);
+    note_changes(p, RENDERED_FOREST, changes);
     follow_live(p, changes);
 }
 
@@ -772,8 +785,9 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
     glance->rendition = session_frame(session);
     const struct border *border = border_of(p, as);
     const bool is_current = mesh_is_current(&p->mesh, border, shade_kind(look_of(p)));
-    const bool is_soon = p->coarse.took_ns && p->coarse.took_ns < within_ns && is_current;
-    glance->is_hasty = within_ns && p->rendered != as && !is_soon && !session->now.outlook.context;
+    const bool is_soon = (p->rendered == as && p->waits.follows && p->waits.count <= FEW_CHANGES) ||
+                         (p->coarse.took_ns && p->coarse.took_ns < within_ns && is_current);
+    glance->is_hasty = within_ns && !is_soon && !session->now.outlook.context;
     if (glance->is_hasty && !is_current)
         return OK;
     if (glance->is_hasty) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of a session: the rendition, which is stored and updated after edits, with the scene
- * behind it if the outlook has a context.
+ * Pictures of a session: the rendition, which is stored and updated by the edits since it was drawn
+ * when it is wanted again, with the scene behind it if the outlook has a context.
  *
  * Finished labels, which pictures show after `finished on`, need time. So after an edit panels show
  * *rough* labels: the forest's in voxels that the edit changed, the former finished ones elsewhere,
@@ -40,8 +40,8 @@ enum err session_draw_labels(struct session *session, const struct labels *label
                              enum render_mode mode, struct fault *fault);
 
 /* A rendition for a panel. If it is wanted within a time and the last one took longer, it may be a
- * coarse one: a quarter of the pixels; or, if its surface must be computed first, the one drawn
- * last, which may be empty. */
+ * coarse one: a quarter of the pixels; or, if much of its surface must be computed first, the one
+ * drawn last, which may be empty. */
 struct glance {
     const struct rendition *rendition;
     uint32_t coarse; /* width of a pixel in pixels of the full rendition */
@@ -62,7 +62,8 @@ struct view session_fitting_view(const struct session *session);
  * directions, the view has as many pixels as fit there and shows the same part. */
 struct view session_view_in_room(const struct session *session, const uint32_t room[2]);
 
-/* Which labels the rendition shows; RENDERED_NOT if it is out of date. */
+/* Which labels the rendition shows, once session_draw has updated it by the edits that wait;
+ * RENDERED_NOT if it is out of date. */
 enum rendered { RENDERED_NOT, RENDERED_FOREST, RENDERED_FINISHED };
 enum rendered session_rendered(const struct session *session);
 

@@ -5,14 +5,15 @@
  * closed (session/session.h).
  *
  * Invariants
- *   V1 the rendition equals, pixel for pixel, one drawn from scratch of the labels of `rendered`,
- *      their border and the camera, in any mode;
+ *   V1 the rendition, updated by the changes that wait, equals, pixel for pixel, one drawn from
+ *      scratch of the labels of `rendered`, their border and the camera, in any mode;
  *   V2 if `live.of` is the session's finish source, the live labels equal those of session_labels;
  *   V3 the border of the live labels fits them, and the visibility and the cut of the last picture.
  */
 #ifndef SHOW_PICTURES_H
 #define SHOW_PICTURES_H
 
+#include "engine/changes.h"
 #include "engine/label_stats.h"
 #include "render/border.h"
 #include "render/layers.h"
@@ -70,12 +71,15 @@ struct pictures {
     struct mesh mesh;           /* surface of the last picture */
     struct rendition reduced;   /* reduced to the view's size, if look.samples is above 1 */
     unsigned rendered;          /* V1; enum rendered (draw.h) */
+    struct change_log waits;    /* changes of these labels since it was drawn; if the log does not
+                                   follow, it is drawn from scratch when it is wanted */
     struct coarse coarse;       /* shown instead while keys arrive */
     struct own_view own;        /* view of panels */
-    unsigned drawings;          /* increased when pixels or labels may have changed */
+    unsigned drawings;          /* increased when pixels or live labels may have changed */
     struct {                    /* at the beginning of the current command: */
         unsigned rendered;      /* never rough labels */
         unsigned drawings;
+        struct change_log waits; /* its items are the first of the present one */
         struct camera camera;
         struct tally tally; /* live labels; stale if they were not counted */
     } former;

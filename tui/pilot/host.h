@@ -87,6 +87,7 @@ struct pilot_label {
 };
 
 struct pilot_setup;
+struct pilot_onlooker;
 
 /* The wanted picture. */
 struct pilot_wish {
@@ -99,6 +100,7 @@ struct pilot_wish {
     /* Not 0: time limit of a full rendition. If it would take longer, a coarser one is drawn and
      * view->is_hasty set. */
     uint64_t within_ns;
+    const struct pilot_onlooker *onlooker; /* NULL, or what stops a full one: ERR_CANCELLED */
     bool marks_pixel; /* mark a pixel of the rendition, by its own column and row */
     uint32_t pixel[2];
     const struct pilot_setup *setup; /* its keys are named; NULL: the table's */

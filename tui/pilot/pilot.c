@@ -82,6 +82,9 @@ struct pilot {
     bool is_showing;
 };
 
+static bool read_keys_ahead(struct pilot *p, uint64_t now_ns);
+static bool has_partial_key(const struct pilot *p);
+
 static void say_error(struct pilot *p, const struct fault *why)
 {
     buf_clear(&p->message);
@@ -222,7 +225,7 @@ static struct pilot_wish wish_of(const struct pilot *p)
                               .marks_held = pilot_confirms(p->state->mode),
                               .marks_way = p->state->mode == PILOT_EXPLAINING,
                               .heat = p->state->heat,
-                              .within_ns = p->is_showing || !p->is_stale ? 0 : p->pace.within_ns,
+                              .within_ns = p->is_stale ? p->pace.within_ns : 0,
                               .marks_pixel = p->state->mode == PILOT_PICKING,
                               .pixel = {p->state->pixel[0], p->state->pixel[1]},
                               .setup = p->state->setup,
@@ -246,24 +249,39 @@ static bool is_due(const struct pilot *p)
     return p->is_hasty && clock_ns() >= p->pace.key_ns + PACE_REST_NS;
 }
 
-/* The host draws a state once, and again after a hasty picture; frames that make a picture finer
- * use the one that is there. */
-static void add_picture(struct pilot *p, struct buf *out)
+/* A key stops the drawing of a full rendition, and so does another state of the terminal. */
+static bool stops_drawing(void *context)
 {
-    const struct pilot_wish wish = wish_of(p);
+    struct pilot *p = context;
+    read_keys_ahead(p, clock_ns());
+    return p->ahead.count > p->ahead.taken || has_partial_key(p) || p->is_pasting || p->is_stale;
+}
+
+/* The host draws a state once, and again after a hasty picture; frames that make a picture finer
+ * use the one that is there. Return false if it was stopped. */
+static bool add_picture(struct pilot *p, struct buf *out)
+{
+    const struct pilot_onlooker onlooker = {.context = p, .stops = stops_drawing};
+    struct pilot_wish wish = wish_of(p);
     struct image_view shown;
     struct fault why;
     if (p->facts->graphics->kind == GRAPHICS_NOTHING)
-        return;
+        return true;
     if (!p->view.rgba || p->is_stale || is_due(p)) {
+        const bool may_stop = !p->is_stale && !p->is_blank && !p->flow.failed && !p->is_pasting;
+        wish.onlooker = may_stop ? &onlooker : NULL;
+        p->reads_ns = 0;
         const enum err err = p->host->picture(p->host->context, &wish, &p->view, &why);
-        if (err) {
-            say_error(p, &why);
+        const bool is_stopped = may_stop && (err == ERR_CANCELLED || p->is_stale);
+        if (err || is_stopped)
             p->view = (struct image_view){0};
-        }
+        if (is_stopped)
+            return false;
+        if (err)
+            say_error(p, &why);
         p->is_hasty = p->view.is_hasty;
         if (err)
-            return;
+            return true;
     }
     struct image_view view = p->view;
     const size_t budget = flow_budget(&p->flow), before = out->length;
@@ -276,12 +294,13 @@ static void add_picture(struct pilot *p, struct buf *out)
     const size_t kept = out->length - before; /* bytes */
     if (!refine_begin(&p->refine, &view, p->is_stale, kept < budget ? budget - kept : 1, &shown)) {
         out->failed = true;
-        return;
+        return true;
     }
     painter_show(&p->painter, &shown, out);
     refine_sent(&p->refine, out->length - before - kept);
     if (p->is_stale)
         ahead_begin(&p->sent);
+    return true;
 }
 
 /* Return true if slices are to be sent ahead, now or later. */
@@ -325,7 +344,10 @@ static enum err draw(struct pilot *p, struct fault *fault)
         buf_add_text(&out, blank_of(p));
         refine_forget(&p->refine);
     }
-    add_picture(p, &out);
+    if (!add_picture(p, &out)) {
+        buf_release(&out);
+        return OK;
+    }
     p->state->sends_ahead = p->state->sends_ahead && may_send_ahead(p);
     add_rows(&out, p, &facts, &size);
     if (p->facts->synchronizes)
@@ -1112,8 +1134,9 @@ static enum err run(struct pilot *p, struct fault *fault)
         if (!err && !p->is_over && (has_more(p) || is_send_ahead_due(p)) &&
             flow_may_send(&p->flow, clock_ns()))
             err = has_more(p) || p->flow.failed ? draw(p, fault) : send_ahead(p, fault);
-        const bool is_rough = !p->is_stale && !p->finish_failed && !has_partial_key(p) &&
-                              !p->is_pasting && p->host->finish && p->shows == PILOT_ROUGH;
+        const bool is_rough = !p->is_stale && !p->is_hasty && !p->finish_failed &&
+                              !has_partial_key(p) && !p->is_pasting && p->host->finish &&
+                              p->shows == PILOT_ROUGH;
         if (!err && !p->is_over && is_rough)
             finish_labels(p);
         else if (!err && !p->is_over && wait_once(p, &event))
