@@ -246,3 +246,24 @@ OUTLINE_STORY(a_picture_that_was_stopped_is_drawn_the_next_time)
     CHECK(memcmp(view.rgba, expected.data, expected.length) == 0);
     panes_release(&pilot.panes);
 }
+
+OUTLINE_STORY(heat_waits_until_there_is_time_and_comes_with_hints)
+{
+    struct pilot_wish wish = {.width = 320, .height = 320, .cell_width = 8, .cell_height = 16};
+    struct image_view view;
+    must(&interp, "seed 12,14,9 1 radius=3; seed 2,2,2 0; run");
+    CHECK(host.picture(&pilot, &wish, &view, NULL) == OK);
+    wish.heat = true;
+    wish.within_ns = UINT64_MAX;
+    CHECK(host.picture(&pilot, &wish, &view, NULL) == OK);
+    CHECK(view.is_hasty && !session_has_heat(interp.session));
+    wish.within_ns = 0;
+    CHECK(host.picture(&pilot, &wish, &view, NULL) == OK);
+    CHECK(!view.is_hasty && session_has_heat(interp.session));
+    wish.within_ns = UINT64_MAX;
+    CHECK(host.picture(&pilot, &wish, &view, NULL) == OK && !view.is_hasty);
+    must(&interp, "undo");
+    CHECK(!session_has_heat(interp.session));
+    CHECK(host.hints(&pilot) == 0 && session_has_heat(interp.session));
+    panes_release(&pilot.panes);
+}

@@ -382,7 +382,9 @@ enum err panes_draw(struct panes *p, struct session *session, const struct pilot
         canvas_release(&p->canvas);
     else
         err = slicing_draw_panel(&p->canvas, session, &p->panel, fault);
-    if (!err && wish->heat)
+    const bool waits = wish->heat && wish->within_ns && !session_has_heat(session);
+    p->panel.is_hasty |= waits;
+    if (!err && wish->heat && !waits)
         err = draw_heat(p, session, fault);
     if (err)
         return err;

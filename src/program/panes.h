@@ -7,7 +7,7 @@
  *              pixel, an outline, a path back to a seed: white in the slice, yellow in front of it
  *              or behind it, with a cross around its strongest edge
  *     heat     colours slices where labels are uncertain: greys get it, and tints where the overlay
- *              is a tint; no words, contours or marks
+ *              is a tint; no words, contours or marks. In a hasty picture only if it is known
  *     notes    written over slices where pixels are too few for letters: the patient's sides, if
  *              the scene's orientation is known, and a scale bar, as characters in cells of
  *              the screen

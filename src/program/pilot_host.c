@@ -361,10 +361,12 @@ static bool host_why(void *context, const uint32_t place[3], struct pilot_way *o
     return true;
 }
 
+/* Compute the heat map too: it is often wanted next, and needs little more time. */
 static unsigned host_hints(void *context)
 {
     const struct hint_list *found;
-    return session_find_hints(session_of(context), &found, NULL, NULL) == OK
+    const uint8_t *heat;
+    return session_find_hints(session_of(context), &found, &heat, NULL) == OK
                ? (unsigned)found->count
                : 0;
 }

@@ -205,16 +205,29 @@ static enum err make_hints(struct session *session, bool with_heat, struct fault
     return err;
 }
 
-enum err session_find_hints(struct session *session, const struct hint_list **hints,
-                            const uint8_t **heat, struct fault *fault)
+/* Digest of the inputs of hints. */
+static uint64_t hints_source(const struct session *session)
 {
-    struct hinting *h = &session->inside->hinting;
     const struct kept *kept = &session->now.kept;
-    const size_t cells = session->scene->grid.cells;
     uint64_t of = hash_mix_at(forest_digest(session->forest), forest_label_digest(session->forest));
     of = hash_mix_at(hash_mix_at(of, session->weight_digest), kept->adjacency);
     for (unsigned l = 0; l < 256; l++)
         of = hash_mix_at(of, kept->origin_mm3[l]);
+    return of;
+}
+
+bool session_has_heat(const struct session *session)
+{
+    const struct hinting *h = &session->inside->hinting;
+    return h->heat && h->cells == session->scene->grid.cells && h->of == hints_source(session);
+}
+
+enum err session_find_hints(struct session *session, const struct hint_list **hints,
+                            const uint8_t **heat, struct fault *fault)
+{
+    struct hinting *h = &session->inside->hinting;
+    const size_t cells = session->scene->grid.cells;
+    const uint64_t of = hints_source(session);
     if (h->cells != cells || h->of != of) { /* hints of another forest */
         hinting_release(h);
         *h = (struct hinting){.cells = cells, .of = of};

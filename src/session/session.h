@@ -405,6 +405,9 @@ enum err session_find_worst(struct session *session, unsigned *label, double *sh
 enum err session_find_hints(struct session *session, const struct hint_list **hints,
                             const uint8_t **heat, struct fault *fault);
 
+/* True if the heat map of the present forest is stored. */
+bool session_has_heat(const struct session *session);
+
 /* ---- channels (channel.c) ---- */
 
 /* Make the intensities of a channel from a volume on the scene's grid, whose levels are taken. One
