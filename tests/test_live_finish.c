@@ -267,6 +267,22 @@ BEGUN_STORY(what_is_shown_follows_each_edit_and_is_exact_in_the_end, begin_with_
     CHECK(roughs > ROUNDS / 3);
 }
 
+BEGUN_STORY(labels_of_an_object_that_fills_the_scene_are_exact_at_once, begin_with_scene)
+{
+    must(interp, "size 64 60; auto on; finish relax sweeps=7; finish open radius=3; finish holes; "
+                 "finish majority; finish close; finish components voxels=9; finished on");
+    must(interp, "seed 2,2,2 1");
+    draw_panel(interp);
+    is_exact(interp); /* nothing was finished */
+    CHECK(!session_finished(interp->session));
+    must(interp, "seed 8,8,7 0 radius=1");
+    draw_panel(interp);
+    CHECK(session_is_rough(interp->session));
+    must(interp, "undo");
+    draw_panel(interp);
+    is_exact(interp);
+}
+
 BEGUN_STORY(memory_that_runs_out_leaves_what_is_shown, begin_with_objects)
 {
     struct slicing_panel panel = {.screen = {320, 320, 8, 16, true, MOSAIC_AXIAL}};

@@ -449,7 +449,16 @@ uint8_t session_shown_label(const struct session *session, uint32_t cell)
                                                                  : session->scene->cell[cell].label;
 }
 
-/* Begin with the exact labels if they are stored, otherwise with the forest's. */
+/* True if all voxels have one label, which finishing does not change. */
+static bool has_one_label(const struct session *session)
+{
+    bool has = false;
+    for (unsigned label = 0; label < 256 && !session->tally.stale; label++)
+        has |= session->tally.voxels[label] == session->scene->grid.voxels;
+    return has;
+}
+
+/* Begin with the exact labels if they are known, otherwise with the forest's. */
 static enum err make_live(struct pictures *p, struct fault *fault)
 {
     struct live_finish *live = &p->live;
@@ -465,7 +474,8 @@ static enum err make_live(struct pictures *p, struct fault *fault)
         return err;
     }
     labels_copy(&from, live->label, p->session->team);
-    live->of = from.finished ? session_finish_source(p->session) : 0;
+    if (from.finished || has_one_label(p->session))
+        live->of = session_finish_source(p->session);
     live->border.labels.finished = live->label;
     tally_forget(&live->tally);
     return OK;
