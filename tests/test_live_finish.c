@@ -283,6 +283,23 @@ BEGUN_STORY(labels_of_an_object_that_fills_the_scene_are_exact_at_once, begin_wi
     is_exact(interp);
 }
 
+BEGUN_STORY(labels_finished_before_are_there_at_once_after_undo_and_redo, begin_with_objects)
+{
+    static const char *const lines[] = {"undo", "redo", "undo"};
+    must(interp, "finish relax sweeps=7; finished on");
+    draw_panel(interp);
+    refine(interp);
+    must(interp, "seed 8,9,8 2 radius=2");
+    draw_panel(interp);
+    CHECK(session_is_rough(interp->session));
+    refine(interp);
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        must(interp, lines[i]);
+        draw_panel(interp);
+        is_exact(interp);
+    }
+}
+
 BEGUN_STORY(memory_that_runs_out_leaves_what_is_shown, begin_with_objects)
 {
     struct slicing_panel panel = {.screen = {320, 320, 8, 16, true, MOSAIC_AXIAL}};

@@ -83,23 +83,30 @@ uint64_t session_finish_source(const struct session *session)
 
 const uint8_t *session_finished(const struct session *session)
 {
-    const struct finished *made = &session->inside->finished;
-    return made->label && made->of == session_finish_source(session) ? made->label : NULL;
+    struct finished *made = &session->inside->finished, *former = &session->inside->former_finished;
+    const uint64_t of = session_finish_source(session);
+    if (former->label && former->of == of) {
+        const struct finished other = *made;
+        *made = *former;
+        *former = other;
+    }
+    return made->label && made->of == of ? made->label : NULL;
 }
 
 static enum err make_finished(struct session *session, struct fault *fault)
 {
-    struct finished *kept = &session->inside->finished;
+    struct finished *kept = &session->inside->finished, *former = &session->inside->former_finished;
     OWNED(finished_release)
     struct finished made = {.cells = session->scene->grid.cells,
                             .of = session_finish_source(session)};
+    finished_release(former);
     TRY(finish_make(&made.label, &session->now.kept.finish, session->scene, session->team,
                     &session->inside->relaxed, fault));
     made.digest = labels_digest(&(struct labels){session->scene, made.label}, session->team);
     TRY(watch_fault(session->scene->watch, fault));
-    const struct finished former = *kept;
+    *former = *kept;
     *kept = made;
-    made = former;
+    made = (struct finished){0};
     return OK;
 }
 
@@ -295,6 +302,7 @@ void session_close_scene(struct session *session)
         session_take_channels_out(session);
     label_measures_release(&session->inside->measures);
     finished_release(&session->inside->finished);
+    finished_release(&session->inside->former_finished);
     relax_kept_release(&session->inside->relaxed);
     hinting_release(&session->inside->hinting);
     doubting_release(&session->inside->doubting);
@@ -384,7 +392,8 @@ struct session_memory session_memory_parts(const struct session *session)
     const struct hinting *hinting = &session->inside->hinting;
     parts.answers = (hinting->heat ? hinting->cells : 0) +
                     hinting->hints.capacity * sizeof *hinting->hints.item +
-                    session->inside->finished.cells + relax_kept_memory(&session->inside->relaxed) +
+                    session->inside->former_finished.cells + session->inside->finished.cells +
+                    relax_kept_memory(&session->inside->relaxed) +
                     label_measures_memory(&session->inside->measures);
     if (session->pictures)
         session->inside->follower->count_memory(session->pictures, &parts);
@@ -435,6 +444,7 @@ void session_settle(struct session *session)
     *former = (struct former_scene){0};
     if (!session->now.kept.finish.count) {
         finished_release(&session->inside->finished);
+        finished_release(&session->inside->former_finished);
         relax_kept_release(&session->inside->relaxed);
     }
     if (session->pictures)

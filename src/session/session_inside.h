@@ -58,14 +58,15 @@ struct levels;
 struct session;
 
 struct session_inside {
-    unsigned stale;                 /* parts that do not fit the state, MADE_... (S5) */
-    bool waits;                     /* S7 */
-    uint64_t waits_from;            /* session_let_wait; 2^64 - 1: never */
-    struct finished finished;       /* session_labels */
-    struct relax_kept relaxed;      /* for faster recomputation */
-    struct hinting hinting;         /* session_find_hints */
-    struct doubting doubting;       /* doubtful_find */
-    struct label_measures measures; /* measures of the forest's labels, after the first request */
+    unsigned stale;                  /* parts that do not fit the state, MADE_... (S5) */
+    bool waits;                      /* S7 */
+    uint64_t waits_from;             /* session_let_wait; 2^64 - 1: never */
+    struct finished finished;        /* session_labels */
+    struct finished former_finished; /* another state, for undo and redo */
+    struct relax_kept relaxed;       /* for faster recomputation */
+    struct hinting hinting;          /* session_find_hints */
+    struct doubting doubting;        /* doubtful_find */
+    struct label_measures measures;  /* measures of the forest's labels, after the first request */
 
     struct channel_values *channel[CHANNELS_MOST]; /* those of the scene, held */
     unsigned shown;                                /* the channel in the cells, 0 for the first */

@@ -786,8 +786,9 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
     if (session->skims)
         return OK;
     TRY(pictures_begin(&p, session, fault));
+    const struct labels exact = {session->scene, finished ? session_finished(session) : NULL};
     if (finished)
-        TRY(begin_live(p, fault));
+        TRY(exact.finished ? take_exact(p, &exact, fault) : begin_live(p, fault));
     TRY(fit_shown(p, border_of(p, as), fault));
     const struct view view = session_view_in_room(session, room);
     TRY(take_view(p, &view, fault));
