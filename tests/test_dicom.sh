@@ -159,7 +159,7 @@ while read -r name words; do
     refused "$file: $words" "open $file"
     "$iftty" info "$file" >"$work/out" 2>&1
     out_has "$words"
-    [ $name = seg-binary ] || continue
+    [ $name = rtstruct ] || continue
     expect 3 "$iftty" run --keep-going - <<END2
 open by-slice
 labels $file
@@ -171,9 +171,6 @@ END2
         "$file: 4 of 4"
     expect_err "$words" 3 "$iftty" compare by-slice.twin.nii "$file"
 done <<'END'
-seg-binary a segmentation (DICOM SEG), which is not read; `segimage2itkimage
-seg-fractional a segmentation (DICOM SEG), which is not read; `segimage2itkimage
-seg-labelmap a label map segmentation (DICOM SEG), which is not read; highdicom
 parametric a parametric map, which is not read; `paramap2itkimage
 rtstruct contours of radiotherapy (RTSTRUCT), which are not read; `plastimatch convert
 rtplan a plan or record of radiotherapy (RTPLAN), without voxels
@@ -187,9 +184,9 @@ END
 mkdir alone
 cp objects/rtstruct.dcm alone
 refused "rtstruct.dcm is contours of radiotherapy (RTSTRUCT)" "open alone"
-cp objects/seg-fractional.dcm by-slice
+cp objects/seg.dcm by-slice
 refused "it holds 2 series" "open by-slice"
 opened_as by-slice by-slice.twin.nii series=1
-refused "seg-fractional.dcm is a segmentation (DICOM SEG)" "open by-slice series=2"
+refused "seg.dcm is a segmentation (DICOM SEG)" "open by-slice series=2"
 
 finish_opened

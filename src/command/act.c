@@ -219,15 +219,21 @@ struct map_place act_map_place(const struct act *act)
     place.choice = (struct volume_choice){.has_volume = act_has(act, "volume"),
                                           .volume = (uint32_t)act_number(act, "volume"),
                                           .command = act->call->command->name,
-                                          .data = act_text(act, "data")};
+                                          .data = act_text(act, "data"),
+                                          .threshold = (uint32_t)act_number(act, "threshold")};
     return place;
 }
 
 enum err act_read_map(const struct act *act, struct volume *map, uint32_t first, uint32_t last)
 {
     struct watch *watch = act->session->watch;
-    const struct map_place place = act_map_place(act);
-    struct buf *path = act_buf(act);
+    struct map_place place = act_map_place(act);
+    struct buf *path = act_buf(act), *range = act_buf(act);
+    place.choice.segments = act_text(act, "regions");
+    if (last < UINT32_MAX) {
+        buf_printf(range, "%u-%u", first, last);
+        place.choice.segments = buf_text(range);
+    }
     TRY(interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault));
     TRY(map_read(map, buf_text(path), &place, watch, act->fault));
     buf_add_text(&act->reply->text, map->notes);

@@ -415,6 +415,7 @@ static enum err read_original(struct volume *map, struct label_table *names, con
     struct map_place place = act_map_place(act);
     TRY(act_choose_regions(&regions, act, act_value(act, "label")));
     place.names = text;
+    place.choice.segments = keeps_rest(act) ? NULL : act_text(act, "regions");
     if (act_has(act, "as"))
         TRY(regions_check(&regions, kept, act->fault));
     if (place.resample == REGRID_RESAMPLE &&

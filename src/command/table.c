@@ -103,11 +103,13 @@ enum { VOLUMES_MOST = 65535 };
 /* Parameters shared by all commands that read a map. */
 #define OF_MAP                                                                                     \
     YES_NO("resample"), KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),                       \
-        KEYED("data", VALUE_WORD, .form = "NAME")
+        KEYED("data", VALUE_WORD, .form = "NAME"),                                                 \
+        KEYED("threshold", VALUE_DECIMAL, .least = 1, .most = 1000)
 #define MAP_NOTE                                                                                   \
     "\nresample: yes resamples a map from another grid, by nearest neighbour. Without it, a map "  \
     "that is displaced by more than half a voxel is rejected.\n"                                   \
-    "volume, data: select a volume or data set of the file, as in `open`."
+    "volume, data: select a volume or data set of the file, as in `open`.\n"                       \
+    "threshold: the least fraction of a voxel in a segment, for fractional segments of DICOM."
 
 /* Parameters of weights. */
 #define MAY_WEIGH(name, type, low, high)   MAY(name, VALUE_##type, .least = low, .most = high)

@@ -16,6 +16,7 @@
  *     volume_bytes.cc    check that a file has the bytes that its header promises
  *     volume_hdf5.cc     data sets of HDF5, and the files that they name
  *     volume_dicom.cc    headers of DICOM, slices and mosaics, and pixels
+ *     volume_seg.cc      segments of DICOM SEG
  *     volume_series.cc   the series of a folder, and the order of its slices
  *     volume_tags.cc     which images of one place are of one volume
  *     volume_folder.cc   folders of slices
@@ -115,8 +116,10 @@ Request receive_request()
     request.chooses = flags & 16;
     request.series = take_number(line, at, number_most);
     request.volume = take_number(line, at, UINT32_MAX);
-    std::string *const text[] = {&request.wanted, &request.skip, &request.data, &request.room,
-                                 &request.path};
+    request.threshold = take_number(line, at, 1000);
+    request.step_nm = take_number(line, at, UINT32_MAX);
+    std::string *const text[] = {&request.wanted,   &request.skip, &request.data,
+                                 &request.segments, &request.room, &request.path};
     for (std::string *each : text)
         each->resize(take_number(line, at, path_most));
     for (std::string *each : text)

@@ -189,6 +189,9 @@ void answer(const Volume &volume, const Request &request)
     number[13] = volume.intercept;
     if (volume.series)
         transmit("series " + std::to_string(volume.series) + "\n");
+    if (volume.is_segments)
+        transmit("segments " + std::to_string(volume.overlaps) + " " +
+                 std::to_string(volume.names.size()) + "\n" + volume.names);
     if (!volume.contents.empty())
         transmit("contents " + std::to_string(volume.contents.size()) + "\n" + volume.contents);
     std::string line = "volume";

@@ -82,8 +82,7 @@ bool may_be_dicom(const char *bytes, std::streamsize length)
                             (bytes[0] == 0 && bytes[1] == 8 && bytes[2] == 0));
 }
 
-/* Open a DICOM file; null if it is no DICOM. A deflated data set is replaced by its inflated copy,
- * because GDCM cannot seek in deflated ones. */
+/* GDCM cannot seek in deflated data sets, so an inflated copy replaces them. */
 std::unique_ptr<std::istream> open_bytes(const std::string &path)
 {
     static const char syntax[] = "\x02\0\x10\0UI\x16\0"
@@ -115,8 +114,6 @@ const gdcm::ByteValue *value_of(const gdcm::DataSet &set, const gdcm::Tag &tag)
     return set.FindDataElement(tag) ? set.GetDataElement(tag).GetByteValue() : nullptr;
 }
 
-/* Copy a value of exactly that length, in the byte order of this machine; false otherwise.
- */
 bool take_bytes(void *out, size_t length, const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
     const gdcm::ByteValue *value = value_of(set, tag);
@@ -186,7 +183,6 @@ void take_integer(int &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
         out = static_cast<int>(number);
 }
 
-/* Read a binary number of 16 or 32 bits. */
 void take_binary(unsigned &out, const gdcm::DataSet &set, const gdcm::Tag &tag)
 {
     uint16_t half;
@@ -265,8 +261,6 @@ bool are_axes(const double axis[6])
     return std::fabs(one - 1) < 0.01 && std::fabs(two - 1) < 0.01 && std::fabs(dot) < 0.01;
 }
 
-/* Read the geometry and scale of a slice from a data set, or from a functional group of an enhanced
- * image. */
 void take_place(Slice &slice, const gdcm::DataSet &set)
 {
     double number[6];
@@ -290,7 +284,6 @@ void take_place(Slice &slice, const gdcm::DataSet &set)
     take_decimal(slice, slice.location, set, gdcm::Tag(0x0020, 0x1041));
 }
 
-/* Item `number` of a sequence; empty if there is no such item. */
 gdcm::DataSet item_of(const gdcm::DataSet &set, const gdcm::Tag &tag, size_t number)
 {
     gdcm::SmartPointer<gdcm::SequenceOfItems> items;
@@ -534,7 +527,9 @@ bool add_mosaic(std::vector<Slice> &slices, const Slice &first, const gdcm::Data
 
 uint64_t bytes_in(const Slice &slice)
 {
-    return uint64_t{slice.columns} * slice.rows * slice.samples * slice.frames * slice.bits / 8;
+    return uint64_t{slice.columns} * slice.rows * slice.samples * slice.frames * slice.bits / 8 +
+           (uint64_t{slice.columns} * slice.rows * slice.samples * slice.frames * slice.bits % 8 >
+            0);
 }
 
 /* Test for the end mark of a JPEG in the last bytes before `end`. Coded numbers cannot contain it.
@@ -580,7 +575,6 @@ void check_packed(Slice &slice, std::istream &in, uint64_t size, const std::stri
                               frames, slice.frames);
 }
 
-/* Find the pixels of a file, and how many are missing. `in` is at the end of its header. */
 void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syntax)
 {
     const std::streamoff at = in.tellg();
@@ -628,13 +622,11 @@ static const std::pair<const char *, const char *> objects[] = {
      "a parametric map, which is not read; `paramap2itkimage --inputDICOM FILE --outputDirectory "
      "FOLDER` of dcmqi makes a volume of it"},
     {"1.2.840.10008.5.1.4.1.1.66.4",
-     "a segmentation (DICOM SEG), which is not read; `segimage2itkimage --inputDICOM FILE "
-     "--outputDirectory FOLDER` of dcmqi makes volumes of its segments"},
+     "a segmentation (DICOM SEG), and no slice of a scene; `labels FILE` reads it"},
     {"1.2.840.10008.5.1.4.1.1.66.5",
      "a surface segmentation, meshes without voxels; 3D Slicer reads it and makes a label map"},
     {"1.2.840.10008.5.1.4.1.1.66.7",
-     "a label map segmentation (DICOM SEG), which is not read; highdicom or 3D Slicer makes a "
-     "volume of its segments"},
+     "a label map segmentation (DICOM SEG), and no slice of a scene; `labels FILE` reads it"},
     {"1.2.840.10008.5.1.4.1.1.66.8",
      "a height map segmentation (DICOM SEG), which is not read; 3D Slicer or highdicom reads it"},
     {"1.2.840.10008.5.1.4.1.1.66.6", "a result of tractography, which has no voxels"},

@@ -4,7 +4,7 @@
  *
  * Text from files (names, numbers and dates of patients, and library messages that quote them)
  * never leaves the process. It sends only its own words and numbers, the names of data sets in an
- * HDF5 file, the names of files that a header refers to, and, if a user chooses among series
+ * HDF5 file and of segments, the names of files that a header refers to, and, if a user chooses among series
  * (Request.lists), descriptions that do not name the patient. A faulty file of a folder is named:
  * its name is the user's.
  */
@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <iosfwd>
 #include <map>
 #include <memory>
 #include <string>
@@ -27,6 +28,7 @@ namespace gdcm
 {
 class DataSet;
 class Tag;
+class TransferSyntax;
 } // namespace gdcm
 
 namespace itk
@@ -52,6 +54,9 @@ struct Request {
     std::string wanted;             /* or a piece of its description; "": unspecified */
     std::string skip;               /* files of a folder to leave out: NAME,NAME; "": none */
     uint64_t volume = 0;            /* in a series of volumes, counted from 0 */
+    std::string segments;           /* labels of DICOM SEG, "3,5-7"; "": all */
+    uint64_t threshold = 0;         /* thousandths, for fractional segments; 0: none */
+    uint64_t step_nm = 0;           /* distance of the scene's slices; 0: unknown */
     std::vector<std::string> named; /* paths of the files that the header names */
 };
 
@@ -68,6 +73,9 @@ struct Volume {
     double to_mm[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}; /* right, anterior, superior */
     double slope = 1, intercept = 0;
     std::string notes; /* lines */
+    bool is_segments = false;
+    uint64_t overlaps = 0; /* voxels in several segments */
+    std::string names;     /* lines about segments (image/names.h) */
     std::function<void()> send;
 };
 
@@ -221,6 +229,12 @@ bool read_pixels(std::vector<char> &bytes, const Slice &slice);
 
 void normal_of(double normal[3], const double axis[6]);
 
+/* Find the pixels of a file, and how many are missing. `in` is at the end of its header. */
+void find_pixels(Slice &slice, std::istream &in, const gdcm::TransferSyntax &syntax);
+
+/* Open a DICOM file, a deflated one as its inflated copy; null if it is no DICOM. */
+std::unique_ptr<std::istream> open_bytes(const std::string &path);
+
 /* ---- elements of DICOM ---- */
 
 /* Text of an element without trailing blanks, "" if there is no such element; its raw bytes. */
@@ -231,6 +245,18 @@ std::string raw_of(const gdcm::DataSet &set, const gdcm::Tag &tag);
  * decimal comma, return 0 and set `fault`. */
 size_t decimals_of(std::string &fault, const gdcm::DataSet &set, const gdcm::Tag &tag, double *out,
                    size_t most);
+
+/* Copy a value of exactly that length, in the byte order of this machine; false otherwise. */
+bool take_bytes(void *out, size_t length, const gdcm::DataSet &set, const gdcm::Tag &tag);
+
+/* Read a binary number of 16 or 32 bits, the size and numbers of pixels, and the place of a slice or
+ * of a functional group. */
+void take_binary(unsigned &out, const gdcm::DataSet &set, const gdcm::Tag &tag);
+void take_pixels(Slice &slice, const gdcm::DataSet &set);
+void take_place(Slice &slice, const gdcm::DataSet &set);
+
+/* Item `number` of a sequence; empty if there is no such item. */
+gdcm::DataSet item_of(const gdcm::DataSet &set, const gdcm::Tag &tag, size_t number);
 
 /* Find the tag of a private element of an owner; group 0 if there is no such element. */
 gdcm::Tag find_private(const gdcm::DataSet &set, uint16_t group, uint16_t element,
@@ -362,6 +388,8 @@ void open_tiff(Volume &volume, const Request &request);
 void open_mrc(Volume &volume, const Request &request);
 void open_by_itk(Volume &volume, const Request &request, const std::string &name);
 void open_hdf5(Volume &volume, const Request &request);
+/* Open DICOM SEG (volume_seg.cc); false for other files. */
+bool open_segments(Volume &volume, const Request &request);
 void open_dicom(Volume &volume, const Request &request);
 void open_folder(Volume &volume, const Request &request, const Files &files);
 

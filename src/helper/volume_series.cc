@@ -708,6 +708,8 @@ void open_dicom(Volume &volume, const Request &request)
     std::vector<Slice> slices;
     if (!request.skip.empty())
         refuse("skip=NAME leaves out files of a folder, and this is one file");
+    if (open_segments(volume, request))
+        return;
     if (!scan(slices, request.path))
         refuse(
             "it is no DICOM file, or its header is damaged; an image of Siemens Vision (.ima) is "

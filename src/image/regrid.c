@@ -124,6 +124,39 @@ enum err regrid_check(const uint32_t map_size[3], const struct geometry *map,
 
 /* ---- resampling ---- */
 
+/* Compute the columns of the transform from voxels of the scene to the map. */
+static void find_columns(double column[4][3], const struct geometry *map,
+                         const struct geometry *scene)
+{
+    for (int c = 0; c < 4; c++) {
+        double from[3];
+        for (int w = 0; w < 3; w++)
+            from[w] = scene->to_mm[w][c] - (c == 3 ? map->to_mm[w][3] : 0);
+        geometry_solve(map, from, column[c]);
+    }
+}
+
+bool regrid_is_aligned(const uint32_t map_size[3], const struct geometry *map,
+                       const uint32_t size[3], const struct geometry *scene)
+{
+    double column[4][3];
+    if (!have_places(map, scene))
+        return false;
+    find_columns(column, map, scene);
+    for (int r = 0; r < 3; r++) {
+        double apart = fabs(column[3][r] - nearbyint(column[3][r]));
+        int axes = 0;
+        for (int c = 0; c < 3; c++) {
+            const double step = nearbyint(column[c][r]);
+            apart += fabs(column[c][r] - step) * fmax(size[c], map_size[r]);
+            axes += fabs(step) == 1 ? 1 : step != 0 ? 3 : 0;
+        }
+        if (!(axes == 1 && apart < 0.5))
+            return false;
+    }
+    return true;
+}
+
 /* The transform from voxels of the scene to the map: place = (way * (i, j, k, 1)) / 2^30. */
 struct way {
     int64_t row[3][4];
@@ -135,12 +168,7 @@ static bool find_way(struct way *way, const struct geometry *map, const uint32_t
                      const struct geometry *scene)
 {
     double column[4][3];
-    for (int c = 0; c < 4; c++) {
-        double from[3];
-        for (int w = 0; w < 3; w++)
-            from[w] = scene->to_mm[w][c] - (c == 3 ? map->to_mm[w][3] : 0);
-        geometry_solve(map, from, column[c]);
-    }
+    find_columns(column, map, scene);
     for (int r = 0; r < 3; r++) {
         double reach = 0;
         for (int c = 0; c < 4; c++) {
@@ -207,7 +235,7 @@ static void note_shift(struct volume *map, double apart_mm, const struct geometr
 
 static enum err resample_map(struct volume *map, uint16_t *out, uint8_t *is_beyond,
                              const uint32_t size[3], const struct geometry *scene,
-                             struct watch *watch, struct fault *fault)
+                             enum regrid_how how, struct watch *watch, struct fault *fault)
 {
     struct way way = {.zero = 0};
     if (!find_way(&way, &map->geometry, size, scene))
@@ -231,6 +259,8 @@ static enum err resample_map(struct volume *map, uint16_t *out, uint8_t *is_beyo
                          "%zu voxels of the scene are outside the map, which has no value 0 for "
                          "them; nothing has changed",
                          beyond);
+    if (how == REGRID_FILL)
+        return watch_fault(watch, fault);
     if (beyond)
         volume_note(map->notes, "%zu voxels of the scene are outside the map: %s", beyond,
                     is_beyond ? "they keep their labels, or are background" : "set to 0");
@@ -243,7 +273,8 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
                 enum regrid_how how, uint8_t *beyond, struct watch *watch, struct fault *fault)
 {
     struct regrid_order order;
-    enum err err = regrid_check(map->size, &map->geometry, size, scene, how, fault);
+    enum err err =
+        how == REGRID_FILL ? OK : regrid_check(map->size, &map->geometry, size, scene, how, fault);
     if (err)
         return err;
     if (is_the_grid(map->size, &map->geometry, size, scene)) {
@@ -252,8 +283,8 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
         replace_grid(map, NULL, size, scene);
         return OK;
     }
-    const bool is_ordered =
-        how != REGRID_RESAMPLE && regrid_find_order(&order, map->size, &map->geometry, size, scene);
+    const bool is_ordered = how != REGRID_RESAMPLE && how != REGRID_FILL &&
+                            regrid_find_order(&order, map->size, &map->geometry, size, scene);
     uint16_t *out = mem_array((size_t)size[0] * size[1] * size[2], sizeof *out);
     if (!out)
         return fault_memory(fault, "a map");
@@ -269,7 +300,7 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
         note_shift(map, order.apart_mm, scene);
         err = watch_fault(watch, fault);
     } else {
-        err = resample_map(map, out, beyond, size, scene, watch, fault);
+        err = resample_map(map, out, beyond, size, scene, how, watch, fault);
     }
     if (err) {
         free(out);

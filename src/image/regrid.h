@@ -23,8 +23,8 @@
 #include "image/volume.h"
 
 /* Resample a map at another place, or refuse it; the refusal names the option of a command, or that
- * of a program. */
-enum regrid_how { REGRID_AS_IT_IS, REGRID_RESAMPLE, REGRID_AS_IT_IS_FOR_PROGRAM };
+ * of a program. REGRID_FILL: the map is aligned, and voxels outside it are 0. */
+enum regrid_how { REGRID_AS_IT_IS, REGRID_RESAMPLE, REGRID_AS_IT_IS_FOR_PROGRAM, REGRID_FILL };
 
 /* For each axis of a scene the axis of a map that follows it, and whether it is reversed. */
 struct regrid_order {
@@ -38,6 +38,11 @@ struct regrid_order {
 bool regrid_find_order(struct regrid_order *order, const uint32_t map_size[3],
                        const struct geometry *map, const uint32_t size[3],
                        const struct geometry *scene);
+
+/* Return true if voxels of the map, of any size, are voxels of the scene, continued beyond its
+ * sides, in any order of axes; within half a voxel, as above. */
+bool regrid_is_aligned(const uint32_t map_size[3], const struct geometry *map,
+                       const uint32_t size[3], const struct geometry *scene);
 
 /* Check that a map of this size and place can be used, unchanged or resampled, before its voxels
  * are read. The message of ERR_INPUT has the distance and the option to type. */

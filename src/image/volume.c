@@ -278,6 +278,7 @@ static enum err check_words(struct volume_header *header, struct fault *fault)
         {choice->data != NULL, "data=NAME", "HDF5", "data sets of HDF5"},
         {choice->skip != NULL, "skip=NAME", "DICOM|TIFF slices|PNG slices|BMP slices",
          "a folder of slices"},
+        {choice->threshold > 0, "threshold=N", "DICOM SEG", "fractional segments of DICOM"},
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         if (!row[i].given || choice_find(row[i].formats, header->format) >= 0)
@@ -385,6 +386,12 @@ enum err volume_take(struct volume *out, struct volume_reader *reader, struct fa
     memcpy(out->size, header->size, sizeof out->size);
     memcpy(out->whole, header->whole, sizeof out->whole);
     memcpy(out->notes, header->notes, sizeof out->notes);
+    if (header->overlaps)
+        volume_note(out->notes,
+                    "%" PRIu64 " voxel%s in several segments: the one with the highest number has "
+                    "%s; regions=N reads one of them",
+                    header->overlaps, header->overlaps == 1 ? " is" : "s are",
+                    header->overlaps == 1 ? "it" : "them");
     enum err err = read_numbers(out, reader, fault);
     if (!err)
         err = quantise(out, header, watch, fault);

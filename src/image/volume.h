@@ -23,7 +23,7 @@
 #include "image/volume_format.h"
 
 #define HELPED_NOTE                                                                                \
-    "The helper iftty-volume reads DICOM (a folder with its subfolders, and Siemens mosaics), "    \
+    "The helper iftty-volume reads DICOM (folders with subfolders, Siemens mosaics, SEG), "        \
     "other NRRD, MetaImage, MINC, HDF5, MRC, TIFF stacks, folders of TIFF, PNG or BMP slices, "    \
     "VTK and GIPL. Orientation or spacing that is not in a file remains unknown. "
 

@@ -98,6 +98,10 @@ struct volume_choice {
     const char *skip;        /* files of a folder to leave out, NAME,NAME; NULL: none */
     bool fills_gaps;         /* blank slices replace missing ones */
     const char *data;        /* the name of a data set of HDF5; NULL: the only one */
+    const char *segments;    /* labels of DICOM SEG, "3,5-7"; NULL: all */
+    uint32_t threshold;      /* thousandths, for fractional segments; 0: none */
+    uint32_t step_nm;        /* distance of the scene's slices, if the file does not say it; or 0 */
+    struct buf *names;       /* receives the names of its segments (image/names.h); or NULL */
     struct raw_layout raw;   /* layout of voxels without a header */
     uint32_t spacing_nm[3];  /* spacing of a file without one; 0: none */
     const char *proof; /* the expected digest of the scene (engine/scene.h), otherwise the file
@@ -141,6 +145,8 @@ struct volume_header {
     uint32_t series;                      /* number of the DICOM series, from 1; 0: no DICOM */
     char contents[VOLUME_CONTENTS_BYTES]; /* "the segments liver (1)" of the chosen volume, or a
                           list of all volumes if none is chosen; "" if the file has no names */
+    bool is_segments;                     /* DICOM SEG: voxels outside the file are background */
+    uint64_t overlaps;                    /* voxels in several segments */
     char refusal[160];                    /* reason why voxels are unreadable; "" if readable: */
     enum voxel_type type;
     uint64_t offset; /* bytes before the voxels of all volumes */

@@ -31,6 +31,7 @@ enum {
     ALONE = 8,
     CHOSEN = 16,
     LIST_MOST = 200100,
+    NAMES_MOST = 16 << 20,
     SERIES_MOST = 100000,
     BYTES_PER_MS = 20000,
 };
@@ -190,16 +191,20 @@ static bool send_request(struct volume_helper *helper, const char *kind, const c
     struct coprocess *process = &helper->process;
     char line[COPROCESS_LINE];
     const char *text[] = {choice->series_name ? choice->series_name : "",
-                          choice->skip ? choice->skip : "", choice->data ? choice->data : "",
-                          buf_text(&helper->room), path};
+                          choice->skip ? choice->skip : "",
+                          choice->data ? choice->data : "",
+                          choice->segments ? choice->segments : "",
+                          buf_text(&helper->room),
+                          path};
     enum { TEXTS = sizeof text / sizeof *text };
     const unsigned flags = (volume_helper_is_wary ? 0u : (unsigned)FOLLOW_LINKS) |
                            (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u) |
                            (choice->list ? (unsigned)SHOW_LIST : 0u) |
                            (choice->has_volume ? (unsigned)CHOSEN : 0u) |
                            (choice->proof ? (unsigned)ALONE : 0u);
-    int length = snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32, kind, flags,
-                          choice->series, choice->volume);
+    int length =
+        snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32, kind,
+                 flags, choice->series, choice->volume, choice->threshold, choice->step_nm);
     for (int i = 0; i < TEXTS; i++)
         length += snprintf(line + length, sizeof line - (size_t)length, " %zu%s", strlen(text[i]),
                            i + 1 < TEXTS ? "" : "\n");
@@ -250,6 +255,24 @@ static bool receive_contents(char out[VOLUME_CONTENTS_BYTES], struct coprocess *
     return (are_lines(out, (size_t)n) && !strchr(out, '\n')) || coprocess_odd(process);
 }
 
+/* Receive the number of voxels in several segments, and the names of segments. */
+static bool receive_segments(struct volume_header *out, struct coprocess *process, const char *line)
+{
+    static const int64_t most[2] = {INT64_MAX / 10, NAMES_MOST};
+    OWNED(mem_release) char *names = NULL;
+    int64_t number[2];
+    if (out->is_segments || !coprocess_numbers(line, 2, most, number) ||
+        !(names = mem_new((size_t)number[1] + 1)))
+        return coprocess_odd(process);
+    out->is_segments = true;
+    out->overlaps = (uint64_t)number[0];
+    if (!coprocess_receive(process, names, (size_t)number[1]))
+        return false;
+    if (out->choice.names)
+        buf_add(out->choice.names, names, (size_t)number[1]);
+    return true;
+}
+
 /* Receive the line that answers, after lines of progress, each further than the one before, and
  * lines about series and volumes. */
 static enum err receive_answer(struct volume_header *out, struct coprocess *process,
@@ -263,6 +286,8 @@ static enum err receive_answer(struct volume_header *out, struct coprocess *proc
         TRY(coprocess_answer(process, line, NULL, NULL, fault));
         if (scan_text(&at, "list "))
             fine = receive_list(out->choice.list, process, at);
+        else if (scan_text(&at, "segments "))
+            fine = receive_segments(out, process, at);
         else if (scan_text(&at, "contents "))
             fine = receive_contents(out->contents, process, at);
         else if (out->series == 0 && scan_text(&at, "series ") &&
@@ -353,6 +378,8 @@ enum err volume_helper_read_header(struct volume_header *out, struct volume_sour
         return fault_set(fault, ERR_INPUT, "packed by gzip; `gunzip` it first");
     if (strlen(source->path) > PATH_MOST)
         return fault_set(fault, ERR_INPUT, "a path of more than %d bytes", PATH_MOST);
+    if (out->choice.segments && strlen(out->choice.segments) > PATH_MOST)
+        return fault_set(fault, ERR_USAGE, "regions: a list of more than %d bytes", PATH_MOST);
     if (volume_helper_needs_landlock && !confine_version())
         return fault_set(fault, ERR_INPUT,
                          "its reader is a library, and this kernel has no Landlock to keep it to "

@@ -7,19 +7,20 @@
  * and the files below its folder that the header names (Landlock, seccomp, limits), and then ends.
  * Its answers are trusted no more than the file: sizes are checked before anything is allocated,
  * and numbers before they are used. Its texts never quote the file (a patient's name, a date),
- * except names of data sets, names of unreadable files in a header, and descriptions of series when
- * the user has to choose one. Damaged files of a folder are named.
+ * except names of data sets and of segments, names of unreadable files in a header, and
+ * descriptions of series when the user has to choose one. Damaged files of a folder are named.
  *
  * The protocol, as in coprocess.h:
  *
- *     request   open KIND FLAGS SERIES VOLUME WORD_LENGTH SKIP_LENGTH DATA_LENGTH ROOM_LENGTH
- *                 PATH_LENGTH\n
- *                 word  skip  data  room  path
+ *     request   open KIND FLAGS SERIES VOLUME THRESHOLD STEP WORD_LENGTH SKIP_LENGTH DATA_LENGTH
+ *                 SEGMENTS_LENGTH ROOM_LENGTH PATH_LENGTH\n
+ *                 word  skip  data  segments  room  path
  *     answer    any number of
  *                 progress DONE TOTAL\n
  *               and then any of these, once
  *                 series NUMBER\n
  *                 list LENGTH\n  lines
+ *                 segments OVERLAPS LENGTH\n  names
  *                 contents LENGTH\n  words
  *               and then
  *                 volume NX NY NZ VOLUMES KNOWN FORMAT_LENGTH TYPE_LENGTH NOTES_LENGTH\n
@@ -36,11 +37,13 @@
  * refuse voxels in other files and a choice of data sets, 16 VOLUME was chosen. SERIES counts from
  * 1; 0 is the only one, or the one whose description contains the word; the answer has its NUMBER.
  * Skip: names of files to leave out, separated by commas. VOLUME counts from 0. Data: the name of a
- * data set. Room: a folder in which the helper may write, if any; the client removes it. KNOWN: 1
- * the spacing, 2 the place, 4 its voxels may be compressed better than by gzip. The numbers are
- * doubles of this machine: the three rows of the matrix to the world (right, anterior, superior;
- * millimetres), slope and intercept. Voxels are of the type, in the order of this machine, x
- * fastest.
+ * data set. Segments: those of DICOM SEG to read, as "3,5-7"; THRESHOLD: that of its fractions, in
+ * thousandths, and 0 for none; STEP: the distance of the scene's slices in nanometres, or 0.
+ * OVERLAPS: voxels in several segments; their names are lines of a table (image/names.h). Room: a
+ * folder in which the helper may write, if any; the client removes it. KNOWN: 1 the spacing, 2 the
+ * place, 4 its voxels may be compressed better than by gzip. The numbers are doubles of this
+ * machine: the three rows of the matrix to the world (right, anterior, superior; millimetres),
+ * slope and intercept. Voxels are of the type, in the order of this machine, x fastest.
  */
 #ifndef IMAGE_VOLUME_HELPER_H
 #define IMAGE_VOLUME_HELPER_H

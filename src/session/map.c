@@ -364,14 +364,26 @@ static enum err choose_voxels(struct volume_reader *reader, const struct map_pla
         find_order(&order, place, header))
         TRY(choose_part(&choice, part, &order, fault));
     const uint64_t voxels = (uint64_t)size[0] * size[1] * size[2]; /* the scene needs more memory */
-    choice.huge = (uint64_t)header->size[0] * header->size[1] * header->size[2] == voxels;
+    choice.huge = (uint64_t)header->size[0] * header->size[1] * header->size[2] <= voxels;
     return volume_choose(reader, &choice, fault);
+}
+
+/* Planes without a segment are missing in DICOM SEG: they are background. */
+static enum regrid_how how_of(const struct map_place *place, const struct volume_header *header)
+{
+    return header->is_segments && place->resample != REGRID_RESAMPLE &&
+                   regrid_is_aligned(header->size, &header->geometry, place->grid->size,
+                                     place->geometry)
+               ? REGRID_FILL
+               : place->resample;
 }
 
 static enum err check_grid(const struct map_place *place, const struct volume_header *header,
                            struct fault *fault)
 {
     const uint32_t *is = header->size, *size = place->grid->size;
+    if (how_of(place, header) == REGRID_FILL)
+        return OK;
     const uint32_t *whole = place->part ? place->part->whole : NULL;
     const bool names_file =
         place->resample != REGRID_RESAMPLE && whole && whole[0] && !same_size(is, size);
@@ -393,11 +405,22 @@ static enum err prefix_file(const char *path, enum err err, struct fault *fault)
     return fault_prefix(fault, err, "%s", file_name(path));
 }
 
+/* The distance of slices of the scene's file, in nanometres. */
+static uint32_t find_depth(const struct map_place *place)
+{
+    const double nm = geometry_step_mm(place->geometry, 2) * geometry_fill(place->geometry) * 1e6 /
+                      (place->part ? part_step(place->part, 2) : 1);
+    return nm < UINT32_MAX ? (uint32_t)(nm + 0.5) : 0;
+}
+
 enum err map_read(struct volume *map, const char *path, const struct map_place *place,
                   struct watch *watch, struct fault *fault)
 {
     struct volume_reader reader;
-    enum err err = volume_begin(&reader, path, &place->choice, watch, fault);
+    struct volume_choice choice = place->choice;
+    choice.names = place->names;
+    choice.step_nm = place->is_copy ? 0 : find_depth(place);
+    enum err err = volume_begin(&reader, path, &choice, watch, fault);
     if (!err)
         err = choose_voxels(&reader, place, fault);
     if (!err)
@@ -414,8 +437,8 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
     if (err)
         return err;
     err = place->is_copy ? map_check_axes(map, place->geometry, fault)
-                         : regrid(map, place->grid->size, place->geometry, place->resample,
-                                  place->beyond, watch, fault);
+                         : regrid(map, place->grid->size, place->geometry,
+                                  how_of(place, &reader.header), place->beyond, watch, fault);
     return prefix_file(path, err, fault);
 }
 

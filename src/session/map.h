@@ -79,8 +79,8 @@ struct map_place {
     const struct grid *grid;
     const struct geometry *geometry;
     const struct map_part *part; /* NULL: the scene is the whole file */
-    /* Choice from a file with several volumes: has_volume, volume, data, and the command for
-     * messages. */
+    /* Choice from a file with several volumes or segments: has_volume, volume, data, segments,
+     * threshold, and the command for messages. */
     struct volume_choice choice;
     enum regrid_how resample; /* resample a map on another grid, nearest voxel (image/regrid.h) */
     bool is_copy;             /* the map was written on this grid: compare only sizes and axes */

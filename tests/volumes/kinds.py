@@ -347,11 +347,11 @@ def make_unplaced():
 
 def make_objects():
     os.mkdir("objects")
-    rows = {"seg-fractional": "66.4", "seg-labelmap": "66.7", "parametric": "30",
+    rows = {"seg": "66.4", "parametric": "30",
             "rtstruct": "481.3", "rtplan": "481.5", "report": "88.33", "pdf": "104.1",
             "state": "11.1", "surface": "66.5", "registration": "66.1", "spectrum": "4.2"}
     for name, number in rows.items():
-        has_pixels = name in ("seg-fractional", "seg-labelmap", "parametric")
+        has_pixels = name in ("seg", "parametric")
         one = enhanced_of([{}]) if has_pixels else images_of([{}])[0][0]
         one.SOPClassUID = "1.2.840.10008.5.1.4.1.1." + number
         one.file_meta.MediaStorageSOPClassUID = one.SOPClassUID
@@ -362,10 +362,7 @@ def make_objects():
             one.BitsAllocated = one.BitsStored = 8
             one.HighBit, one.PixelRepresentation = 7, 0
             one.PixelData = one.PixelData[::2]
-            one.SegmentationType = name[4:].upper()
         one.save_as("objects/%s.dcm" % name)
-    binary = pydicom.dcmread(pydicom.data.get_testdata_file("liver_1frame.dcm"))
-    binary.save_as("objects/seg-binary.dcm")
 
 
 os.chdir(sys.argv[1])

@@ -1,0 +1,482 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * DICOM SEG: read segments as a map of their numbers.
+ *
+ * A frame holds one segment in one plane (BINARY, FRACTIONAL), or the numbers of all segments in it
+ * (LABELMAP). Its own groups say which segment and where; their order means nothing. Planes without
+ * a frame are blank. Where segments overlap, the one with the highest number is in the map, and
+ * these voxels are counted.
+ *
+ * The distance of the planes is SpacingBetweenSlices; if that does not fit the frames, that of the
+ * scene (Request.step_nm), the least one, or SliceThickness. Frames of 1 bit follow each other
+ * without padding, and the lowest bit comes first.
+ */
+#include "helper/volume_parts.hh"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <istream>
+
+#include <gdcmDataSet.h>
+#include <gdcmReader.h>
+#include <gdcmSequenceOfItems.h>
+
+namespace volume
+{
+
+constexpr double off_most = 0.1;   /* distance of a frame from the grid, in voxels */
+constexpr double place_most = 1e6; /* mm */
+constexpr uint64_t planes_most = 65534;
+constexpr size_t label_most = 256;
+
+static const gdcm::Tag class_tag(0x0008, 0x0016), charset_tag(0x0008, 0x0005),
+    shared_tag(0x5200, 0x9229), each_tag(0x5200, 0x9230), segments_tag(0x0062, 0x0002),
+    number_tag(0x0062, 0x0004), label_tag(0x0062, 0x0005), description_tag(0x0062, 0x0006),
+    colour_tag(0x0062, 0x000d), identity_tag(0x0062, 0x000a), referenced_tag(0x0062, 0x000b),
+    type_tag(0x0062, 0x0001), most_tag(0x0062, 0x000e), pixels_tag(0x7fe0, 0x0010);
+
+struct Frame {
+    uint64_t plane;
+    unsigned number; /* its label; 0 in a LABELMAP */
+    uint64_t at;     /* in the file */
+};
+
+struct Segments {
+    Slice whole; /* size, pixels and place of all frames */
+    std::vector<Frame> frames;
+    std::map<unsigned, uint32_t> numbers; /* the label of each segment */
+    std::unique_ptr<std::istream> in;
+    std::vector<char> unpacked; /* all frames, if they are packed; */
+    std::vector<char> bytes;    /* otherwise those of one */
+    uint64_t least = 1;         /* pixels of this value and above are in the segment */
+    bool is_map = false;        /* LABELMAP */
+    std::vector<uint32_t> plane;
+    std::vector<bool> is_twice;
+    uint64_t overlaps = 0;
+};
+
+/* ---- names and colours ---- */
+
+/* Convert Latin 1 to UTF-8; "?" for other character sets. */
+std::string in_utf8(const std::string &text, const std::string &charset)
+{
+    std::string out;
+    if (charset.find("192") != std::string::npos)
+        return text;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 0x80)
+            out += c;
+        else if (charset == "ISO_IR 100")
+            out += {static_cast<char>(0xc0 | byte >> 6), static_cast<char>(0x80 | (byte & 0x3f))};
+        else
+            out += '?';
+    }
+    return out;
+}
+
+/* Convert a colour of CIELab, relative to D50, to sRGB, as " R G B 1 1 1"; "" for none. */
+static std::string colour_of(const gdcm::DataSet &segment)
+{
+    /* XYZ of D50 to linear sRGB, by Bradford's adaptation to D65 */
+    static const double matrix[3][3] = {{3.1338561, -1.6168667, -0.4906146},
+                                        {-0.9787684, 1.9161415, 0.0334540},
+                                        {0.0719453, -0.2289914, 1.4052427}};
+    static const double white[3] = {0.9642, 1.0, 0.8251};
+    uint16_t lab[3];
+    std::string words;
+    if (!take_bytes(lab, sizeof lab, segment, colour_tag))
+        return "";
+    const double l = (lab[0] / 655.35 + 16) / 116, a = lab[1] / 257.0 - 128,
+                 b = lab[2] / 257.0 - 128, f[3] = {l + a / 500, l, l - b / 200};
+    double xyz[3];
+    for (int i = 0; i < 3; i++)
+        xyz[i] = white[i] * (f[i] > 6 / 29.0 ? f[i] * f[i] * f[i]
+                                             : 3 * (6 / 29.0) * (6 / 29.0) * (f[i] - 4 / 29.0));
+    for (const auto &row : matrix) {
+        const double linear = row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2];
+        const double value =
+            linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+        words += " " + std::to_string(std::lround(255 * std::clamp(value, 0.0, 1.0)));
+    }
+    return words + " 1 1 1";
+}
+
+/* Read the segments: their numbers, and lines of names. A description "label N" is the number of a
+ * label that has another one than its segment. */
+static void take_segments(Segments &segments, Volume &volume, const gdcm::DataSet &set)
+{
+    const std::string charset = text_of(set, charset_tag);
+    gdcm::SmartPointer<gdcm::SequenceOfItems> items;
+    if (set.FindDataElement(segments_tag))
+        items = set.GetDataElement(segments_tag).GetValueAsSQ();
+    for (size_t i = 1; items && i <= items->GetNumberOfItems(); i++) {
+        const gdcm::DataSet &segment = items->GetItem(i).GetNestedDataSet();
+        unsigned number = 0;
+        take_binary(number, segment, number_tag);
+        const std::string description = text_of(segment, description_tag);
+        std::string label = in_utf8(text_of(segment, label_tag), charset);
+        uint32_t of = number;
+        if (description.compare(0, 6, "label ") == 0 && description.size() <= 16 &&
+            description.find_first_not_of("0123456789", 6) == std::string::npos) {
+            const unsigned long said = std::strtoul(description.c_str() + 6, nullptr, 10);
+            of = said > 0 && said <= UINT32_MAX ? static_cast<uint32_t>(said) : of;
+        }
+        if (number == 0 && segments.is_map)
+            continue; /* the background */
+        if (number == 0 || number > UINT16_MAX || !segments.numbers.emplace(number, of).second)
+            refuse("its segments are not numbered from 1, each by its own number");
+        label.resize(std::min(label.size(), label_most));
+        if (label == "label " + std::to_string(of))
+            label.clear();
+        std::replace_if(
+            label.begin(), label.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
+        std::string quoted;
+        for (const char c : label)
+            quoted += c == '"' ? std::string("\\\"") : std::string(1, c);
+        volume.names += std::to_string(of) + colour_of(segment) + " \"" + quoted + "\"\n";
+    }
+    if (segments.numbers.empty())
+        refuse("a segmentation (DICOM SEG) without segments");
+}
+
+/* ---- frames ---- */
+
+static void take_groups(Slice &slice, const gdcm::DataSet &group)
+{
+    for (const gdcm::Tag &tag :
+         {gdcm::Tag(0x0020, 0x9113), gdcm::Tag(0x0020, 0x9116), gdcm::Tag(0x0028, 0x9110)})
+        take_place(slice, item_of(group, tag, 0));
+}
+
+/* Find the distance of planes at these sorted places along their normal: the first candidate that
+ * divides all distances; or 0. */
+static double step_of(const std::vector<double> &along, const Slice &whole, uint32_t step_nm)
+{
+    double least = 0;
+    for (size_t i = 1; i < along.size(); i++)
+        least = least > 0 ? std::min(least, along[i] - along[i - 1]) : along[i] - along[i - 1];
+    for (const double step : {whole.between, step_nm / 1e6, least, whole.thickness}) {
+        bool fits = step > 0;
+        for (size_t i = 1; fits && i < along.size(); i++) {
+            const double steps = (along[i] - along[0]) / step;
+            fits = steps < planes_most && std::fabs(steps - std::round(steps)) <= off_most &&
+                   std::round(steps) > std::round((along[i - 1] - along[0]) / step);
+        }
+        if (fits)
+            return step;
+    }
+    return 0;
+}
+
+/* Place the frames, whose slices have their positions: set their planes, and the matrix. */
+static void place_frames(Segments &segments, Volume &volume, const std::vector<Slice> &slice,
+                         uint32_t step_nm)
+{
+    const Slice &whole = segments.whole;
+    double normal[3];
+    std::vector<double> place, along;
+    normal_of(normal, whole.axis);
+    for (const Slice &s : slice)
+        place.push_back(s.position[0] * normal[0] + s.position[1] * normal[1] +
+                        s.position[2] * normal[2]);
+    along = place;
+    std::sort(along.begin(), along.end());
+    const double same = off_most * (whole.between > 0     ? whole.between
+                                    : whole.thickness > 0 ? whole.thickness
+                                                          : 1);
+    along.erase(std::unique(along.begin(), along.end(),
+                            [same](double a, double b) { return b - a <= same; }),
+                along.end());
+    const double step = step_of(along, whole, step_nm);
+    if (step <= 0 && along.size() > 1)
+        refuse("its frames are not evenly spaced, or too far apart for a volume");
+    const auto first = static_cast<size_t>(std::min_element(place.begin(), place.end()) -
+                                           place.begin()),
+               last = static_cast<size_t>(std::max_element(place.begin(), place.end()) -
+                                          place.begin());
+    const double mm = step > 0 ? step : 1;
+    const double steps = std::round((place[last] - place[first]) / mm);
+    double column[3];
+    for (int w = 0; w < 3; w++) {
+        const double from = slice[first].position[w];
+        column[w] = steps > 0 ? (slice[last].position[w] - from) / steps : normal[w] * mm;
+        const double sign = w < 2 ? -1 : 1;
+        volume.to_mm[w][0] = sign * whole.axis[w] * whole.spacing[1];
+        volume.to_mm[w][1] = sign * whole.axis[3 + w] * whole.spacing[0];
+        volume.to_mm[w][2] = sign * column[w];
+        volume.to_mm[w][3] = sign * from;
+    }
+    for (size_t f = 0; f < slice.size(); f++) {
+        const double plane = std::round((place[f] - place[first]) / mm);
+        double off[3], along_normal = 0, apart = 0;
+        for (int w = 0; w < 3; w++) {
+            off[w] = slice[f].position[w] - slice[first].position[w] - plane * column[w];
+            along_normal += off[w] * normal[w];
+        }
+        for (int w = 0; w < 3; w++)
+            apart = std::max(apart, std::fabs(off[w] - along_normal * normal[w]));
+        if (!(apart <= off_most * std::min(whole.spacing[0], whole.spacing[1])))
+            refuse("its frames are not on one grid: frame %zu is up to %.3g mm off that of the "
+                   "others",
+                   f + 1, apart);
+        segments.frames[f].plane = static_cast<uint64_t>(plane);
+    }
+    volume.size[2] = static_cast<uint64_t>(steps) + 1;
+    volume.known = ORIENTATION | CLOSELY_PACKED | (step > 0 ? SPACING : 0u);
+}
+
+/* Read the groups of each frame. */
+static void take_frames(Segments &segments, Volume &volume, const gdcm::DataSet &set,
+                        uint32_t step_nm)
+{
+    Slice &whole = segments.whole;
+    gdcm::SmartPointer<gdcm::SequenceOfItems> items;
+    double frames = 0;
+    std::vector<Slice> slice;
+    if (set.FindDataElement(each_tag))
+        items = set.GetDataElement(each_tag).GetValueAsSQ();
+    const size_t count = items ? items->GetNumberOfItems() : 0;
+    if (decimals_of(whole.fault, set, gdcm::Tag(0x0028, 0x0008), &frames, 1) != 1 || count == 0 ||
+        frames != static_cast<double>(count))
+        refuse("damaged: it says that it has %.0f frames, and describes %zu", frames, count);
+    const gdcm::DataSet shared = item_of(set, shared_tag, 0);
+    unsigned common = 0;
+    take_binary(common, item_of(shared, identity_tag, 0), referenced_tag);
+    take_groups(whole, shared);
+    whole.frames = static_cast<unsigned>(count);
+    for (size_t f = 0; f < count; f++) {
+        const gdcm::DataSet &group = items->GetItem(f + 1).GetNestedDataSet();
+        Slice own = f > 0 ? slice[0] : whole;
+        unsigned number = common;
+        own.has_position = f == 0 && own.has_position;
+        take_groups(own, group);
+        take_binary(number, item_of(group, identity_tag, 0), referenced_tag);
+        if (!own.fault.empty())
+            throw Refusal{own.fault};
+        const auto of = segments.numbers.find(number);
+        if (!segments.is_map && of == segments.numbers.end())
+            refuse("damaged: frame %zu is of segment %u, which it does not describe", f + 1,
+                   number);
+        if (!own.has_position || !own.has_axes || own.spacing[0] <= 0)
+            refuse("frame %zu of its segments holds no place in the patient, or no spacing", f + 1);
+        for (const double mm : own.position)
+            if (std::fabs(mm) > place_most)
+                refuse("frame %zu of its segments is more than a kilometre away", f + 1);
+        for (int i = 0; i < 6 && f > 0; i++)
+            if (std::fabs(own.axis[i] - slice[0].axis[i]) > 1e-3 ||
+                std::fabs(own.spacing[i % 2] - slice[0].spacing[i % 2]) > 1e-3 * own.spacing[i % 2])
+                refuse("frame %zu of its segments has other axes or another spacing than the first",
+                       f + 1);
+        segments.frames.push_back({0, segments.is_map ? 0 : of->second, f});
+        slice.push_back(own);
+    }
+    whole = slice[0];
+    place_frames(segments, volume, slice, step_nm);
+    std::stable_sort(segments.frames.begin(), segments.frames.end(),
+                     [](const Frame &a, const Frame &b) {
+                         return a.plane != b.plane ? a.plane < b.plane : a.number < b.number;
+                     });
+}
+
+/* ---- pixels ---- */
+
+/* Read a frame; `shift` is the first bit of its first byte. */
+static const char *read_frame(Segments &segments, uint64_t frame, unsigned &shift)
+{
+    const Slice &whole = segments.whole;
+    const uint64_t bits = uint64_t{whole.columns} * whole.rows * whole.bits, from = bits * frame;
+    shift = static_cast<unsigned>(from % 8);
+    if (whole.is_packed)
+        return segments.unpacked.data() + from / 8;
+    segments.bytes.resize((bits + shift + 7) / 8);
+    segments.in->clear();
+    segments.in->seekg(static_cast<std::streamoff>(whole.pixels_at + from / 8));
+    segments.in->read(segments.bytes.data(), static_cast<std::streamsize>(segments.bytes.size()));
+    if (static_cast<size_t>(segments.in->gcount()) < segments.bytes.size())
+        refuse("cut short: frame %llu of its segments is missing", wide(frame + 1));
+    if (whole.bits == 16 && is_big_machine)
+        reverse_each(segments.bytes, 2);
+    return segments.bytes.data();
+}
+
+static void put(Segments &segments, size_t at, uint32_t number)
+{
+    uint32_t &held = segments.plane[at];
+    if (held && held != number && !segments.is_twice[at]) {
+        segments.overlaps++;
+        segments.is_twice[at] = true;
+    }
+    held = number;
+}
+
+/* Add a frame to the plane. */
+static void add_frame(Segments &segments, const Frame &frame)
+{
+    const size_t pixels = segments.plane.size();
+    unsigned shift;
+    const char *bytes = read_frame(segments, frame.at, shift);
+    if (segments.whole.bits == 1) {
+        for (size_t at = 0; at < pixels;) {
+            const size_t bit = at + shift;
+            const auto byte = static_cast<unsigned char>(bytes[bit / 8]);
+            if (byte == 0) {
+                at += 8 - bit % 8;
+                continue;
+            }
+            if (byte >> bit % 8 & 1)
+                put(segments, at, frame.number);
+            at++;
+        }
+        return;
+    }
+    for (size_t at = 0; at < pixels; at++) {
+        const unsigned value = segments.whole.bits == 16 ? load<uint16_t>(bytes + 2 * at)
+                                                         : static_cast<unsigned char>(bytes[at]);
+        if (!segments.is_map) {
+            if (value >= segments.least)
+                put(segments, at, frame.number);
+            continue;
+        }
+        const auto of = value ? segments.numbers.find(value) : segments.numbers.end();
+        if (value && of == segments.numbers.end())
+            refuse("damaged: a voxel is of segment %u, which it does not describe", value);
+        if (value)
+            put(segments, at, of->second);
+    }
+}
+
+/* Make each plane, and send it, or only count its overlaps. */
+static void make_planes(Segments &segments, const Volume &volume, bool sends)
+{
+    const size_t width = bytes_of(volume.type);
+    segments.overlaps = 0;
+    auto frame = segments.frames.begin();
+    std::vector<char> out(segments.plane.size() * width);
+    for (uint64_t z = 0; z < (sends ? volume.size[2] : UINT64_MAX); z++) {
+        if (!sends && frame == segments.frames.end())
+            return;
+        std::fill(segments.plane.begin(), segments.plane.end(), 0);
+        std::fill(segments.is_twice.begin(), segments.is_twice.end(), false);
+        z = sends ? z : frame->plane;
+        for (; frame != segments.frames.end() && frame->plane == z; ++frame)
+            add_frame(segments, *frame);
+        for (size_t i = 0; sends && i < segments.plane.size(); i++) {
+            const uint32_t number = segments.plane[i];
+            const auto byte = static_cast<uint8_t>(number);
+            const auto pair = static_cast<uint16_t>(number);
+            std::memcpy(&out[width * i],
+                        width == 1   ? static_cast<const void *>(&byte)
+                        : width == 2 ? static_cast<const void *>(&pair)
+                                     : static_cast<const void *>(&number),
+                        width);
+        }
+        if (sends)
+            send_piece(out.data(), out.size());
+    }
+}
+
+/* ---- the file ---- */
+
+/* Check the type of segmentation, and its pixels. */
+static void take_type(Segments &segments, const gdcm::DataSet &set, const Request &request)
+{
+    const std::string type = text_of(set, type_tag);
+    Slice &whole = segments.whole;
+    unsigned most = 0;
+    take_binary(most, set, most_tag);
+    const bool is_fractional = type == "FRACTIONAL";
+    segments.is_map = type == "LABELMAP";
+    take_pixels(whole, set);
+    if (whole.rows == 0 || whole.columns == 0 || whole.samples != 1 || whole.is_signed ||
+        !(type == "BINARY"  ? whole.bits == 1
+          : is_fractional   ? whole.bits == 8 && most > 0
+          : segments.is_map ? whole.bits == 8 || whole.bits == 16
+                            : false))
+        refuse("a segmentation (DICOM SEG) whose pixels are not those of a binary, fractional or "
+               "label map one");
+    if (is_fractional && !request.threshold)
+        refuse("a segmentation (DICOM SEG) of fractions, 0 to 1; `labels FILE threshold=0.5` uses "
+               "the voxels of at least 0.5");
+    if (!is_fractional && request.threshold)
+        refuse("threshold= is for fractional segments, and these are %s: leave it out",
+               segments.is_map ? "a label map" : "binary");
+    segments.least = is_fractional ? (request.threshold * uint64_t{most} + 999) / 1000 : 1;
+}
+
+/* Choose segments by the numbers of their labels: "3,5-7". */
+static void choose_frames(Segments &segments, const std::string &list)
+{
+    std::vector<std::pair<uint32_t, uint32_t>> ranges;
+    for (const char *at = list.c_str(); *at; at += *at == ',') {
+        char *end;
+        const unsigned long first = std::strtoul(at, &end, 10);
+        const unsigned long last = *end == '-' ? std::strtoul(end + 1, &end, 10) : first;
+        if (end == at || (*end && *end != ','))
+            refuse("segments that are no list of numbers");
+        ranges.emplace_back(first, last);
+        at = end;
+    }
+    const auto is_left_out = [&ranges](const Frame &frame) {
+        return std::none_of(ranges.begin(), ranges.end(), [&frame](const auto &range) {
+            return frame.number >= range.first && frame.number <= range.second;
+        });
+    };
+    if (!list.empty() && !segments.is_map)
+        segments.frames.erase(
+            std::remove_if(segments.frames.begin(), segments.frames.end(), is_left_out),
+            segments.frames.end());
+}
+
+bool open_segments(Volume &volume, const Request &request)
+{
+    const auto segments = std::make_shared<Segments>();
+    segments->in = open_bytes(request.path);
+    gdcm::Reader reader;
+    if (!segments->in)
+        return false;
+    reader.SetStream(*segments->in);
+    if (!reader.ReadUpToTag(gdcm::Tag(0x0008, 0x0018), {}))
+        return false;
+    const std::string kind = text_of(reader.GetFile().GetDataSet(), class_tag);
+    if (kind != "1.2.840.10008.5.1.4.1.1.66.4" && kind != "1.2.840.10008.5.1.4.1.1.66.7")
+        return false;
+    segments->in = open_bytes(request.path);
+    gdcm::Reader whole;
+    whole.SetStream(*segments->in);
+    if (!whole.ReadUpToTag(pixels_tag, {pixels_tag}))
+        refuse("a segmentation (DICOM SEG) whose header is damaged");
+    const gdcm::DataSet &set = whole.GetFile().GetDataSet();
+    segments->whole.path = request.path;
+    take_type(*segments, set, request);
+    take_segments(*segments, volume, set);
+    take_frames(*segments, volume, set, static_cast<uint32_t>(request.step_nm));
+    find_pixels(segments->whole, *segments->in,
+                whole.GetFile().GetHeader().GetDataSetTransferSyntax());
+    Slice &pixels = segments->whole;
+    if (!pixels.lack.empty())
+        throw Refusal{about_file("", pixels.lack)};
+    if (pixels.is_big || (pixels.is_packed && pixels.bits == 1))
+        refuse("a segmentation (DICOM SEG) whose pixels are packed or big-endian; `dcmconv +te "
+               "FILE PLAIN` or gdcmconv --raw makes them plain");
+    if (pixels.is_packed && !read_pixels(segments->unpacked, pixels))
+        refuse("a segmentation (DICOM SEG) whose pixels cannot be unpacked");
+    choose_frames(*segments, request.segments);
+    uint32_t most = 0;
+    for (const auto &number : segments->numbers)
+        most = std::max(most, number.second);
+    volume.type = most <= UINT8_MAX ? "uint8" : most <= UINT16_MAX ? "uint16" : "uint32";
+    volume.format = "DICOM SEG";
+    volume.is_segments = true;
+    volume.size[0] = pixels.columns;
+    volume.size[1] = pixels.rows;
+    segments->plane.resize(size_t{pixels.columns} * pixels.rows);
+    segments->is_twice.resize(segments->plane.size());
+    make_planes(*segments, volume, false);
+    volume.overlaps = segments->overlaps;
+    volume.send = [&volume, segments]() { make_planes(*segments, volume, true); };
+    return true;
+}
+
+} // namespace volume

@@ -1,0 +1,99 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# DICOM SEG, read by `labels` (volumes/seg.py): places, overlaps, fractions, and damaged files.
+. "$(dirname "$0")/lib.sh"
+. "$top/tests/volumes/opened.sh"
+
+begin "an oblique CT, its segmentations and maps of the same labels are made"
+made_by seg.py
+overlaps=$(cat "$work/made")
+
+# labelled OPTIONS TWIN: the CT with these labels, saved, has the voxels of the map, and its place
+labelled() {
+    rm -f a.nii b.nii
+    expect 0 "$iftty" -c "open ct; labels $1; save labels a.nii; stats"
+    expect 0 "$iftty" -c "open $2.twin.nii; labels $2.twin.nii; save labels b.nii"
+    same "$1: $(voxels_of a.nii | cksum)" "$1: $(voxels_of b.nii | cksum)"
+    printf '%s\t%s\t%s\n' "$1" "$work/v/a.nii" "$work/v/b.nii" >"$work/pair"
+    expect 0 "$PYTHON" "$top/tests/volumes/make.py" same "$work/pair"
+    "$iftty" -c "open ct; labels $1" >"$work/out" 2>&1
+}
+
+begin "each voxel of a SEG has its label at its place, whatever the order of frames"
+for name in binary implicit unspaced labelmap labelmap8; do
+    labelled $name.dcm labels
+    out_has "$name.dcm: 3 labels and the background, 10 markers"
+    out_has "3 names and colours from the file"
+    out_has "label 1 liver: 1 marker"
+    out_has 'label 3 spleen "left": 7 markers'
+done
+labelled few.dcm few # planes that are missing, of an unknown distance
+labelled "binary.dcm rest=keep regions=1,2,3" labels
+expect_out "DICOM SEG" 0 "$iftty" info binary.dcm
+expect_out "0 of 8008 voxels differ" 0 "$iftty" compare labels.twin.nii binary.dcm
+for name in binary.dcm labels.twin.nii; do
+    expect 0 "$iftty" -c "open ct crop=2-20,3-18,2-10; labels $name; save labels $name.nii"
+done
+same "$(voxels_of binary.dcm.nii | cksum)" "$(voxels_of labels.twin.nii.nii | cksum)"
+
+begin "names, colours and labels of a SEG are in the journal's copy"
+expect 0 "$iftty" -c "open ct; labels binary.dcm; save names a.txt" --journal seg.iftty
+has_line a.txt '^ *1  *159  *89  *64 .*"liver"'
+mv binary.dcm away.dcm
+expect 0 "$iftty" verify seg.iftty
+mv away.dcm binary.dcm
+
+begin "where segments overlap, the highest number is the label, and the voxels are counted"
+labelled overlap.dcm overlap
+out_has "$overlaps voxels are in several segments: the one with the highest number has them; \
+regions=N reads one of them"
+for name in overlap.dcm overlap-1.twin.nii; do
+    expect 0 "$iftty" -c "open ct; mask $name regions=1" --journal "$name.iftty"
+    sed -n 's/^= 2 \(.*\) chain.*/\1/p' "$name.iftty" >"$name.mask"
+done
+same_files overlap.dcm.mask overlap-1.twin.nii.mask
+labelled "overlap.dcm regions=1" overlap-1
+grep -q "several segments" "$work/out" && fail "regions=1 has no overlaps"
+
+begin "fractional segments need a threshold, which is inclusive; other maps have none"
+labelled "fractional.dcm threshold=0.6" labels
+answers "fractional.dcm: 0 labels" "open ct; labels fractional.dcm threshold=0.601"
+refused "of fractions, 0 to 1; \`labels FILE threshold=0.5\`" "open ct; labels fractional.dcm"
+refused "and these are binary: leave it out" "open ct; labels binary.dcm threshold=0.5"
+expect_err "and this is nifti-1: leave it out" 2 "$iftty" -c \
+    "open ct; labels few.twin.nii threshold=0.5"
+expect_err "of fractions" 3 "$iftty" compare labels.twin.nii fractional.dcm
+
+begin "another grid is refused, or resampled"
+refused "resample=yes uses its nearest voxels" "open ct; labels bad-other-grid.dcm"
+answers "resampled from 26x22x13 voxels" "open ct; labels bad-other-grid.dcm resample=yes"
+refused "and its file 26x22x14" "open ct reduce=2; labels binary.dcm"
+
+begin "contradictory files are refused in one line"
+while read -r name words; do
+    refused "$words" "open ct; labels $name.dcm"
+    refused "$words" "open $name.dcm"
+done <<'END'
+bad-many says that it has 1000000000 frames, and describes 19
+bad-more says that it has 20 frames, and describes 19
+bad-large cut short: 1360 of 10200236035 bytes
+bad-stray frame 3 is of segment 9, which it does not describe
+bad-nowhere frame 3 of its segments holds no place
+bad-shifted frame 3 is up to 0.5 mm off
+bad-between its frames are not evenly spaced
+bad-far its frames are not evenly spaced, or too far apart
+bad-endless frame 3 of its segments is more than a kilometre away
+bad-twice its segments are not numbered from 1
+bad-none without segments
+bad-kind whose pixels are not those of
+cut-pixels cut short
+END
+at=300
+while [ $at -lt "$(wc -c <binary.dcm)" ]; do
+    head -c $at binary.dcm >cut.dcm
+    may_open "cut at $at" "open ct; labels cut.dcm"
+    at=$((at + 331))
+done
+same "$bad of $count are refused" "$count of $count are refused"
+
+finish

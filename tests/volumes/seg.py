@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: MIT
+"""DICOM SEG by pydicom, for tests/test_seg.sh.
+
+    seg.py FOLDER       makes an oblique CT, segmentations of it, and maps of the same labels there
+    seg.py read A.dcm B.nii    compares the voxels of a SEG and a map, place by place, and prints
+                               the segments of the SEG"""
+import copy
+import os
+import random
+import sys
+
+import nibabel
+import numpy
+import pydicom
+from pydicom.dataset import Dataset
+from pydicom.sequence import Sequence
+
+from make import LPS, PLACE, SECRETS, SIZE, identify, save_twin, slices_of, voxels, write
+
+SEG = "1.2.840.10008.5.1.4.1.1.66.4"
+SPACING = numpy.linalg.norm(PLACE[:3, :3], axis=0)
+
+
+def item(**values):
+    one = Dataset()
+    for name, value in values.items():
+        setattr(one, name, Sequence([value]) if isinstance(value, Dataset) else value)
+    return one
+
+
+def code(value, scheme, meaning):
+    return item(CodeValue=value, CodingSchemeDesignator=scheme, CodeMeaning=meaning)
+
+
+def seg_of(slices, frames, names, bits=1, kind="BINARY", between=True):
+    """frames: (segment or None, z, pixels [y][x]); the place of a frame is that of slice z."""
+    one = copy.deepcopy(slices[0])
+    for name in ("ImagePositionPatient", "ImageOrientationPatient", "PixelSpacing",
+                 "SliceThickness", "RescaleSlope", "RescaleIntercept", "PixelData",
+                 "SliceLocation", "WindowCenter", "WindowWidth", "DataSetTrailingPadding"):
+        if name in one:
+            delattr(one, name)
+    one.SOPClassUID = one.file_meta.MediaStorageSOPClassUID = SEG if kind != "LABELMAP" else \
+        "1.2.840.10008.5.1.4.1.1.66.7"
+    identify(one, ".9.1")
+    one.Modality, one.SeriesInstanceUID = "SEG", SECRETS[3] + ".9"
+    one.SegmentationType, one.SpecificCharacterSet = kind, "ISO_IR 192"
+    one.BitsAllocated = one.BitsStored = bits
+    one.HighBit, one.PixelRepresentation = bits - 1, 0
+    one.NumberOfFrames = len(frames)
+    if kind == "FRACTIONAL":
+        one.SegmentationFractionalType, one.MaximumFractionalValue = "PROBABILITY", 200
+    one.SegmentSequence = Sequence([
+        item(SegmentNumber=n + 1, SegmentLabel=name, SegmentAlgorithmType="MANUAL",
+             RecommendedDisplayCIELabValue=[30000 + 9000 * n, 40000 - 5000 * n, 40000],
+             SegmentedPropertyCategoryCodeSequence=code("85756007", "SCT", "Tissue"),
+             SegmentedPropertyTypeCodeSequence=code("10200004", "SCT", "Liver"))
+        for n, name in enumerate(names)])
+    measures = item(PixelSpacing=list(map(repr, SPACING[[1, 0]].tolist())), SliceThickness="2.5")
+    if between:
+        measures.SpacingBetweenSlices = "2.5"
+    one.SharedFunctionalGroupsSequence = Sequence([item(
+        PixelMeasuresSequence=measures, PlaneOrientationSequence=item(
+            ImageOrientationPatient=slices[0].ImageOrientationPatient))])
+    one.PerFrameFunctionalGroupsSequence = Sequence()
+    pixels = []
+    for n, z, data in frames:
+        group = item(PlanePositionSequence=item(
+            ImagePositionPatient=slices[z].ImagePositionPatient))
+        if n:
+            group.SegmentIdentificationSequence = Sequence([item(ReferencedSegmentNumber=n)])
+        one.PerFrameFunctionalGroupsSequence.append(group)
+        pixels.append(data)
+    pixels = numpy.stack(pixels)
+    if bits == 1:
+        packed = numpy.packbits(pixels.ravel().astype(bool), bitorder="little").tobytes()
+    else:
+        packed = pixels.astype("<u%d" % (bits // 8)).tobytes()
+    one.PixelData = packed + b"\0" * (len(packed) % 2)
+    one["PixelData"].VR = "OB" if bits < 16 else "OW"
+    one.Rows, one.Columns = pixels.shape[1:]
+    return one
+
+
+def frames_of(labels, scale=1):
+    """Of each segment those planes that have it, in no order."""
+    frames = [(n, z, scale * (labels[:, :, z].T == n)) for n in range(1, labels.max() + 1)
+              for z in range(labels.shape[2]) if (labels[:, :, z] == n).any()]
+    random.Random(3).shuffle(frames)
+    return frames
+
+
+def make():
+    slices = slices_of(voxels(), PLACE)
+    os.mkdir("ct")
+    for z, one in enumerate(slices):
+        one.save_as("ct/IM%d" % (z * 5 % 14))
+    x, y, z = numpy.indices(SIZE)
+    labels = numpy.zeros(SIZE, numpy.uint8)
+    labels[(x - 9) ** 2 + (y - 12) ** 2 + (2 * (z - 6)) ** 2 < 40] = 1
+    labels[(x > 18) & (y < 5) & (z > 3) & (z < 9)] = 2
+    labels[(x < 4) & (y == 20) & (z % 2 == 1)] = 3
+    names = ["liver", "Nebenniere rechts \u00e4u\u00dferer Teil", 'spleen "left"']
+    save_twin("labels", labels, PLACE)
+    seg_of(slices, frames_of(labels), names).save_as("binary.dcm")
+    seg_of(slices, frames_of(labels), names, between=False).save_as("unspaced.dcm")
+    few = numpy.where((z == 3) | (z == 9), labels, 0)  # six slices apart
+    save_twin("few", few, PLACE)
+    seg_of(slices, frames_of(few), names, between=False).save_as("few.dcm")
+    plain = pydicom.dcmread("binary.dcm")
+    plain.is_implicit_VR = True
+    plain.file_meta.TransferSyntaxUID = pydicom.uid.ImplicitVRLittleEndian
+    plain.save_as("implicit.dcm")
+    fractional = [(n, z, numpy.where(data, 120, 30)) for n, z, data in frames_of(labels)]
+    seg_of(slices, fractional, names, 8, "FRACTIONAL").save_as("fractional.dcm")
+    whole = [(None, z, labels[:, :, z].T) for z in range(SIZE[2])][::-1]
+    seg_of(slices, whole, names, 16, "LABELMAP").save_as("labelmap.dcm")
+    seg_of(slices, whole, names, 8, "LABELMAP").save_as("labelmap8.dcm")
+    grown = [(2, z, x[:, :, 0].T < 10) for z in range(4, 8)]
+    seg_of(slices, grown + frames_of(labels), names).save_as("overlap.dcm")
+    over = labels.copy()
+    over[:10, :, 4:8] = numpy.where(over[:10, :, 4:8] == 3, 3, 2)
+    save_twin("overlap", over, PLACE)
+    save_twin("overlap-1", numpy.where(labels == 1, 1, 0).astype(numpy.uint8), PLACE)
+    print(int((labels[:10, :, 4:8] % 2 == 1).sum()))
+
+    # hostile and damaged
+    whole = open("binary.dcm", "rb").read()
+    write("cut-pixels.dcm", whole[:-20])
+    write("cut-header.dcm", whole[:len(whole) // 2])
+    hurt("many", lambda s: setattr(s, "NumberOfFrames", 10 ** 9))
+    hurt("more", lambda s: setattr(s, "NumberOfFrames", s.NumberOfFrames + 1))
+    hurt("large", lambda s: (setattr(s, "Rows", 65535), setattr(s, "Columns", 65535)))
+    hurt("stray", lambda s: setattr(group_of(s).SegmentIdentificationSequence[0],
+                                         "ReferencedSegmentNumber", 9))
+    hurt("nowhere", lambda s: delattr(group_of(s), "PlanePositionSequence"))
+    hurt("shifted", lambda s: move(s, [0.5, 0, 0]))
+    hurt("between", lambda s: move(s, 0.4 * LPS[:3, :3] @ PLACE[:3, 2]))
+    hurt("far", lambda s: move(s, 1e5 * LPS[:3, :3] @ PLACE[:3, 2]))
+    hurt("endless", lambda s: move(s, [1e300, 0, 0]))
+    hurt("twice", lambda s: setattr(s.SegmentSequence[1], "SegmentNumber", 1))
+    hurt("none", lambda s: delattr(s, "SegmentSequence"))
+    hurt("kind", lambda s: setattr(s, "SegmentationType", "OTHER"))
+    hurt("other-grid", lambda s: setattr(
+        s.SharedFunctionalGroupsSequence[0].PixelMeasuresSequence[0], "PixelSpacing", ["2", "2"]))
+
+
+def group_of(seg):
+    return seg.PerFrameFunctionalGroupsSequence[2]
+
+
+def move(seg, by):
+    place = group_of(seg).PlanePositionSequence[0]
+    place.ImagePositionPatient = [
+        pydicom.valuerep.DSfloat(float(a) + b, auto_format=True)
+        for a, b in zip(place.ImagePositionPatient, by)]
+
+
+def hurt(name, change):
+    one = pydicom.dcmread("binary.dcm")
+    change(one)
+    one.save_as("bad-%s.dcm" % name)
+
+
+def read(path, of):
+    image = nibabel.load(of)
+    expected = numpy.asarray(image.dataobj)
+    found = numpy.zeros_like(expected)
+    to_voxel = numpy.linalg.inv(image.affine) @ LPS
+    seg = pydicom.dcmread(path)
+    numbers = {}
+    for segment in seg.SegmentSequence:
+        number = int(segment.get("SegmentDescription", "label %d" % segment.SegmentNumber)[6:])
+        numbers[segment.SegmentNumber] = number
+        print(number, segment.SegmentLabel, list(segment.RecommendedDisplayCIELabValue))
+    frames = seg.pixel_array.reshape(-1, seg.Rows, seg.Columns)
+    shared = seg.SharedFunctionalGroupsSequence[0]
+    axes = numpy.array(shared.PlaneOrientationSequence[0].ImageOrientationPatient, float)
+    spacing = numpy.array(shared.PixelMeasuresSequence[0].PixelSpacing, float)
+    for group, pixels in zip(seg.PerFrameFunctionalGroupsSequence, frames):
+        y, x = numpy.nonzero(pixels)
+        place = numpy.ones((4, len(x)))
+        place[:3] = numpy.array(group.PlanePositionSequence[0].ImagePositionPatient,
+                                float)[:, None] + \
+            axes[:3, None] * spacing[1] * x + axes[3:, None] * spacing[0] * y
+        at = (to_voxel @ place)[:3]
+        assert numpy.abs(at - at.round()).max(initial=0) < 1e-3, at
+        at = tuple(at.round().astype(int))
+        assert (found[at] == 0).all(), "segments overlap"
+        found[at] = numbers[group.SegmentIdentificationSequence[0].ReferencedSegmentNumber]
+    assert (found == expected).all(), "%d voxels differ" % (found != expected).sum()
+
+
+if sys.argv[1] == "read":
+    read(*sys.argv[2:])
+else:
+    os.chdir(sys.argv[1])
+    make()
