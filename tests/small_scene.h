@@ -39,7 +39,7 @@ static inline void write_map(const char *name, const uint32_t sides[3], enum vox
 {
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
-    const struct volume_map map = {sides, &geometry, type, "test", row, context, NULL, NULL};
+    const struct volume_map map = {sides, &geometry, type, "test", row, context, NULL, NULL, NULL};
     CHECK(volume_write(place(name), FILE_REPLACE, &map, NULL, NULL) == OK);
 }
 

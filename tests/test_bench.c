@@ -174,7 +174,7 @@ static struct session *begin(struct planted *planted)
     geometry_place_plain(&geometry, spacing_mm);
     CHECK(volume_write(path, FILE_REPLACE,
                        &(struct volume_map){(uint32_t[]){side, side, side}, &geometry, VOXEL_UINT8,
-                                            "test", scene_row, NULL, NULL, NULL},
+                                            "test", scene_row, NULL, NULL, NULL, NULL},
                        NULL, NULL) == OK);
     CHECK(session_open(session, path, NULL, NULL) == OK);
     *seeds = (struct seeds){.edit = malloc(PROCEDURE_SEEDS * sizeof(struct edit))};

@@ -758,7 +758,7 @@ SCENE_STORY(completion_offers_valid_words)
     completes(interp, "help seed ", "", 10);
     completes(interp, "save ",
               "labels\ncost\nroot\nborder\ndistance\nmargin\nseeds\nnames\nsurface\nreplace="
-              "\nfinished=\nlabel=\nsmooth=\ntriangles=\nempty=\n",
+              "\nfinished=\nlabel=\nsmooth=\ntriangles=\nempty=\nidentity=\ntimes=\n",
               5);
     completes(interp, "save c", "cost\n", 5);
     completes(interp, "save cost x.nii replace=y", "yes\n", 24);
@@ -1288,7 +1288,7 @@ static void make_long(const char *name, double z_mm)
     geometry_place_plain(&geometry, spacing);
     CHECK(volume_write(place(name), FILE_REPLACE,
                        &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", scene_row, NULL,
-                                            NULL, NULL},
+                                            NULL, NULL, NULL},
                        NULL, NULL) == OK);
 }
 

@@ -849,8 +849,8 @@ static enum err write_sample(const char *path, const uint32_t size[3], const str
     struct asked asked = {size, type, 0, true};
     enum err err = volume_write(
         path, mode,
-        &(struct volume_map){size, g, type, "iftty \xc3\xa4", give_row, &asked, NULL, NULL}, NULL,
-        fault);
+        &(struct volume_map){size, g, type, "iftty \xc3\xa4", give_row, &asked, NULL, NULL, NULL},
+        NULL, fault);
     CHECK(asked.in_order && (err || asked.rows == (uint64_t)size[1] * size[2]));
     return err;
 }

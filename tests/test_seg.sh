@@ -95,5 +95,70 @@ while [ $at -lt "$(wc -c <binary.dcm)" ]; do
     at=$((at + 331))
 done
 same "$bad of $count are refused" "$count of $count are refused"
+"$PYTHON" -B "$top/tests/volumes/seg.py" damage binary.dcm
+for name in damaged-*; do
+    may_open "$name" "open ct; labels $name"
+done
+
+begin "a saved SEG has each voxel at its place, names, colours, numbers and references"
+expect 0 "$iftty" -c "open ct; labels binary.dcm; label 7 empty; label 300 third number=300; \
+seed 2,2,2 300 radius=2 within=0 over=0; save labels out.dcm; save labels out.nii; \
+save labels again.dcm; save names out.txt"
+same_files out.dcm again.dcm # the same bytes, without a date
+expect 0 "$PYTHON" -B "$top/tests/volumes/seg.py" read out.dcm out.nii ct
+cat >listed <<'END'
+1 liver [30073, 40021, 39977]
+2 Nebenniere rechts~u\337erer Teil
+END
+same "$(sed -n 's/^\([0-9]*\) \(.*\) \[.*/\1 \2/p' "$work/out" | tr '\n' ,)" \
+    '1 liver,2 Nebenniere rechts~ußerer Teil,3 spleen "left",7 empty,300 third,'
+expect 0 "$iftty" -c "open ct; labels out.dcm; save labels back.nii; save names back.txt"
+same "$(voxels_of back.nii | cksum)" "$(voxels_of out.nii | cksum)"
+same_files out.txt back.txt # with the colours
+expect_out "yes: out.dcm" 0 dcmftest out.dcm
+dcmdump out.dcm >dump 2>dump.err
+same "$(cat dump.err)" ""
+has_line dump '(0008,0023) DA \[19000101\]'
+has_line dump '(0010,0010) PN (no value available)'
+grep -q SECRET dump && fail "it names the patient: $(grep SECRET dump)"
+
+begin "the patient and a date are written only on request"
+expect 0 "$iftty" -c "open ct; labels binary.dcm; save labels known.dcm identity=keep times=yes"
+dcmdump known.dcm >dump
+has_line dump "(0010,0010) PN \[SECRETNAME^ANNA\]"
+has_line dump "(0008,0020) DA \[19450508\]"
+has_line dump "(0008,0023) DA \[20"
+expect 0 "$PYTHON" -B "$top/tests/volumes/seg.py" read known.dcm labels.twin.nii ct
+same "$(cmp -s known.dcm out.dcm && echo same)" ""
+expect_err "identity= and times= are for" 2 "$iftty" -c \
+    "open ct; labels binary.dcm; save labels new.nii times=yes"
+
+begin "parts of the series refer to their slices, and other grids to the series"
+expect 0 "$iftty" -c "open ct crop=2-20,3-18,4-10; labels binary.dcm; save labels part.dcm; \
+save labels part.nii"
+expect 0 "$PYTHON" -B "$top/tests/volumes/seg.py" read part.dcm part.nii ct
+expect 0 "$iftty" -c "open ct reduce=2; seed 3,3,3 5 radius=2 within=0; save labels half.dcm; \
+save labels half.nii"
+expect 0 "$PYTHON" -B "$top/tests/volumes/seg.py" read half.dcm half.nii
+
+begin "nothing is written without the files of the series, or over another file"
+refuses "the scene is no DICOM series" "open labels.twin.nii; labels labels.twin.nii; \
+save labels no.dcm"
+expect_err "holds labels alone" 2 "$iftty" -c "open ct; labels binary.dcm; run; save cost no.dcm"
+refuses "out.dcm exists already" "open ct; labels binary.dcm; save labels out.dcm"
+cp -r ct other
+printf 'open other\nlabels binary.dcm\n' >script
+expect 0 "$iftty" run script --journal other.iftty
+printf 'save labels later.dcm\n' >more
+expect 0 "$iftty" other.iftty <more
+expect 0 "$PYTHON" -B "$top/tests/volumes/seg.py" read later.dcm labels.twin.nii other
+{
+    echo 'open other'
+    echo 'labels binary.dcm'
+    until [ "$(grep -c '^= ' changed.iftty 2>"$work/none")" = 2 ]; do sleep 0.1; done
+    cp ct/IM5 other/IM6
+    echo 'save labels no.dcm'
+} | expect 3 "$iftty" run - --journal changed.iftty
+comes_true test ! -e no.dcm
 
 finish

@@ -77,7 +77,7 @@ static void write_head(const char *name, struct head *head, double to_mm[3][4])
     CHECK(geometry_place(&geometry, (const double(*)[4])to_mm, ORIENTATION_SFORM));
     CHECK(volume_write(name, FILE_REPLACE,
                        &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", head_row, head,
-                                            NULL, NULL},
+                                            NULL, NULL, NULL},
                        NULL, NULL) == OK);
 }
 
@@ -262,7 +262,7 @@ static void write_values(const char *name, float slope, float intercept)
     geometry.orientation = ORIENTATION_FILE;
     CHECK(volume_write(name, FILE_REPLACE,
                        &(struct volume_map){size, &geometry, VOXEL_UINT16, "test", value_row, NULL,
-                                            NULL, NULL},
+                                            NULL, NULL, NULL},
                        NULL, NULL) == OK);
     patch(name, 112, (const float[]){slope, intercept}, 8);
 }

@@ -94,8 +94,8 @@ STORY(the_second_of_a_pair_is_none)
 {
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
     geometry_place_plain(&geometry, (const double[]){1, 1, 1});
-    const struct volume_map map = {wide,      &geometry, VOXEL_UINT8, "cubes",
-                                   cubes_row, NULL,      NULL,        NULL};
+    const struct volume_map map = {wide, &geometry, VOXEL_UINT8, "cubes", cubes_row,
+                                   NULL, NULL,      NULL,        NULL};
     CHECK(volume_write("cubes.nii", FILE_REPLACE, &map, NULL, NULL) == OK);
     begin_interpreter(&interp);
     must(&interp, "open cubes.nii; auto on; seed 2,2,2 0; seed 9,9,13 1");

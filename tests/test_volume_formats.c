@@ -18,7 +18,7 @@ static const struct proven {
     {"nifti_format", "nifti", "a.nii.gz", true}, {"pair_format", "nifti", NULL, false},
     {"mgh_format", "mgh", "a.mgz", true},        {"nrrd_format", "nrrd", "a.nrrd", true},
     {"metaimage_format", NULL, "a.mha", false},  {"raw_format", "raw", NULL, false},
-    {"helped_format", "helper", NULL, false},
+    {"helped_format", "helper", NULL, false},    {"seg_format", NULL, "a.dcm", false},
 };
 
 #define DECLARE(format, note) extern const struct volume_format format;
@@ -88,14 +88,22 @@ static void row_of_values(void *context, uint32_t y, uint32_t z, void *values)
 static void comes_back(const struct volume_format *format, const char *name)
 {
     static const uint32_t size[3] = {X, Y, Z};
-    static const double to_mm[3][4] = {{-1, 0, 0, 5.5}, {0, 1.5, 0, -20}, {0, 0, 2, 7}};
+    const bool is_seg = file_is_named(name, ".dcm"); /* which has no left-handed axes */
+    const double to_mm[3][4] = {{is_seg ? 1 : -1, 0, 0, 5.5}, {0, 1.5, 0, -20}, {0, 0, 2, 7}};
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1500000, 2000000}};
     const char *path = file_in(folder, name);
     OWNED(volume_release) struct volume volume = {0};
+    struct volume_label label[256];
+    OWNED(buf_release) struct buf words = {0};
+    buf_add_text(&words, "\n0020000d 1.2\n0020000e 1.3\n00200052 1.4\nslice 1.5 1.6 0\n");
+    const struct dicom_source source = {.words = words, .date = "19000101", .time = "000000"};
+    for (unsigned l = 0; l < 256; l++)
+        label[l] = (struct volume_label){.name = "", .number = l, .used = true};
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
     CHECK(format->write(path, FILE_REPLACE,
                         &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", row_of_values,
-                                             NULL, NULL, NULL},
+                                             NULL, is_seg ? label : NULL, is_seg ? &source : NULL,
+                                             NULL},
                         NULL, &fault) == OK);
     if (!CHECK(volume_read(&volume, path, NULL, NULL, &fault) == OK)) {
         printf("#   %s: %s\n", name, fault.text);

@@ -244,7 +244,7 @@ static enum err number_regions(struct buf *numbers, const uint16_t *as, const st
     numbering_list(numbers, as, map, has, &act->session->now.kept);
     TRY(numbers->length ? apply_numbers(act, buf_text(numbers)) : OK);
     if (!numbers->length || act_has(act, "regions") ||
-        !file_is_named(act_text(act, "FILE"), ".seg.nrrd"))
+        !file_is_named(act_text(act, "FILE"), ".seg.nrrd|.dcm"))
         return OK;
     struct kept *kept = &act->next->kept;
     for (size_t i = 0; i < names->count; i++) { /* segments without voxels */

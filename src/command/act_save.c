@@ -4,6 +4,7 @@
 #include "command/act.h"
 
 #include <string.h>
+#include <time.h>
 
 #include "base/file.h"
 #include "base/mem.h"
@@ -462,6 +463,34 @@ static void warn_of_contents(const struct act *act, const char *path,
                           "in pictures\n");
 }
 
+/* A DICOM SEG refers to the series of the scene, whose files are read again. */
+static enum err save_map(const struct act *act, const struct labels *labels, const char *path,
+                         enum file_mode how)
+{
+    struct dicom_source source = {.date = "19000101", .time = "000000"};
+    const bool is_seg = act_number(act, "MAP") == MAP_LABELS && file_is_named(path, ".dcm");
+    const time_t now = time(NULL);
+    struct tm utc;
+    enum err err = OK;
+    if (!is_seg && act_has(act, "identity|times"))
+        return fault_set(act->fault, ERR_USAGE,
+                         "identity= and times= are for `save labels FILE.dcm`");
+    if (act_is_yes(act, "times") && gmtime_r(&now, &utc)) {
+        strftime(source.date, sizeof source.date, "%Y%m%d", &utc);
+        strftime(source.time, sizeof source.time, "%H%M%S", &utc);
+    }
+    if (is_seg)
+        err = fault_prefix(
+            act->fault,
+            session_find_source(act->session, &source, act_has(act, "identity"), act->fault),
+            "cannot write %s", path);
+    if (!err)
+        err = export_map(act->session, (enum map)act_number(act, "MAP"), labels, path, how,
+                         is_seg ? &source : NULL, act->fault);
+    buf_release(&source.words);
+    return err;
+}
+
 enum err act_save(const struct act *act)
 {
     const int64_t what = act_number(act, "MAP");
@@ -490,11 +519,10 @@ enum err act_save(const struct act *act)
             "map with empty=yes; nothing was written");
     TRY(watch_fault(act->session->watch, act->fault));
     TRY(interpreter_will_write(act->interp, path, how, act->fault));
-    TRY(what == SAVE_SEEDS   ? save_seeds(act, path, how)
-        : what == SAVE_NAMES ? save_names(act, path, how)
-        : what == SAVE_SURFACE
-            ? save_surface(act, &labels, path, how)
-            : export_map(act->session, (enum map)what, &labels, path, how, act->fault));
+    TRY(what == SAVE_SEEDS     ? save_seeds(act, path, how)
+        : what == SAVE_NAMES   ? save_names(act, path, how)
+        : what == SAVE_SURFACE ? save_surface(act, &labels, path, how)
+                               : save_map(act, &labels, path, how));
     act_write_file_line("wrote ", path, act->reply);
     warn_of_contents(act, path, &coverage, labels.finished != NULL);
     return OK;

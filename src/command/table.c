@@ -398,9 +398,11 @@ static const struct command command_table[] = {
      "here: use the present labels instead of a file, as if they had been saved and read, for "
      "exact corrections of objects that were grown. finished=yes: use the labels after `finish`; "
      "the default at a prompt is to use the labels on the screen.\n"
-     "The names and colours in a .seg.nrrd, .nii, .nii.gz or .mgz become those of labels that have "
-     "none; the journal's copy contains them.\n"
-     "regions: use only these values of the map; the default is all. Other voxels are background.\n"
+     "The names and colours in a .seg.nrrd, .nii, .nii.gz, .mgz or DICOM SEG become those of "
+     "labels "
+     "that have none; the journal's copy contains them.\n"
+     "regions: use only these values of the map; the default is all. Other voxels are background. "
+     "Where segments of DICOM overlap, the highest of these is used.\n"
      "as: the labels of `regions`, one for each. Without it, a value is the number of its label, "
      "up to 4294967295; at most 255 labels exist at a time. A value is rejected if other commands "
      "have planted a label of this number.\n"
@@ -692,11 +694,12 @@ static const struct command command_table[] = {
      {NEED("MAP", VALUE_CHOICE, .choices = MAPS "|seeds|names|surface"), NEED("FILE", VALUE_FILE),
       YES_NO("replace"), FINISHED, KEYED("label", VALUE_LABEL, .least = 1, .most = 255),
       KEYED("smooth", VALUE_NUMBER, .most = 100),
-      KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX), YES_NO("empty")},
+      KEYED("triangles", VALUE_NUMBER, .least = 4, .most = INT32_MAX), YES_NO("empty"),
+      KEYED("identity", VALUE_CHOICE, .choices = "keep"), YES_NO("times")},
      "write a map, surfaces, seeds or names of labels",
      "Writes a map as .nii, .nii.gz, .nrrd, .mha, .mgh or .mgz, in the geometry of the scene. "
      "Labels as .nii, .nii.gz, .mgz or .seg.nrrd, a segmentation for 3D Slicer, include names and "
-     "colours.\n"
+     "colours. So do labels as .dcm, a DICOM SEG that refers to the DICOM series of the scene.\n"
      "labels: uint8, or uint16 or uint32 if labels have numbers above 255. A voxel that no seed "
      "reaches is 0; the answer has the number of such voxels.\n"
      "cost: uint16; 65535 in a voxel that no seed reaches.\n"
@@ -720,7 +723,9 @@ static const struct command command_table[] = {
      "smooth surface, as by default.\n"
      "triangles: reduce the surfaces to at most this number of triangles, as far as they remain "
      "closed. Reduced surfaces of touching labels do not share points.\n"
-     "empty=yes: write a map of labels even if no voxel has a label." FINISHED_NOTE,
+     "empty=yes: write a map of labels even if no voxel has a label.\n"
+     "identity=keep: write the patient and study of the series into the .dcm, by default left "
+     "empty. times=yes: write the present date into it, by default 1900-01-01." FINISHED_NOTE,
      "save labels brain-labels.nii.gz"},
     {COMMAND("journal", act_journal, GROUP_KEPT, 0),
      {MAY("FILE", VALUE_FILE)},

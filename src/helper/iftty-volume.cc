@@ -108,12 +108,14 @@ Request receive_request()
         leave(2);
     request.kind = line.substr(5, kind - 5);
     size_t at = kind + 1;
-    const uint64_t flags = take_number(line, at, 31);
+    const uint64_t flags = take_number(line, at, 127);
     request.follows_links = flags & 1;
     request.fills_gaps = flags & 2;
     request.lists = flags & 4;
     request.is_alone = flags & 8;
     request.chooses = flags & 16;
+    request.refers = flags & 32;
+    request.identifies = flags & 64;
     request.series = take_number(line, at, number_most);
     request.volume = take_number(line, at, UINT32_MAX);
     request.threshold = take_number(line, at, 1000);

@@ -189,6 +189,9 @@ void answer(const Volume &volume, const Request &request)
     number[13] = volume.intercept;
     if (volume.series)
         transmit("series " + std::to_string(volume.series) + "\n");
+    if (request.refers)
+        transmit("references " + std::to_string(volume.references.size()) + "\n" +
+                 volume.references);
     if (volume.is_segments)
         transmit("segments " + std::to_string(volume.overlaps) + " " +
                  std::to_string(volume.names.size()) + "\n" + volume.names);

@@ -4,7 +4,8 @@
  *
  * Text from files (names, numbers and dates of patients, and library messages that quote them)
  * never leaves the process. It sends only its own words and numbers, the names of data sets in an
- * HDF5 file and of segments, the names of files that a header refers to, and, if a user chooses among series
+ * HDF5 file and of segments, UIDs and, if a user asks for it, the patient's identity for a
+ * segmentation, the names of files that a header refers to, and, if a user chooses among series
  * (Request.lists), descriptions that do not name the patient. A faulty file of a folder is named:
  * its name is the user's.
  */
@@ -50,6 +51,8 @@ struct Request {
     bool is_alone = false;          /* do not read voxels in other files, or data sets */
     bool lists = false;             /* descriptions of series may be sent, to choose by */
     bool chooses = false;           /* the user chose `volume` */
+    bool refers = false;            /* send UIDs of the series, */
+    bool identifies = false;        /* with its patient and study */
     uint64_t series = 0;            /* counted from 1; 0: unspecified */
     std::string wanted;             /* or a piece of its description; "": unspecified */
     std::string skip;               /* files of a folder to leave out: NAME,NAME; "": none */
@@ -74,8 +77,9 @@ struct Volume {
     double slope = 1, intercept = 0;
     std::string notes; /* lines */
     bool is_segments = false;
-    uint64_t overlaps = 0; /* voxels in several segments */
-    std::string names;     /* lines about segments (image/names.h) */
+    uint64_t overlaps = 0;  /* voxels in several segments */
+    std::string references; /* lines about the series (volume_helper.h) */
+    std::string names;      /* lines about segments (image/names.h) */
     std::function<void()> send;
 };
 
@@ -390,6 +394,10 @@ void open_by_itk(Volume &volume, const Request &request, const std::string &name
 void open_hdf5(Volume &volume, const Request &request);
 /* Open DICOM SEG (volume_seg.cc); false for other files. */
 bool open_segments(Volume &volume, const Request &request);
+
+/* Describe the series of these slices for a segmentation of it; frame `blank` is a missing one. */
+constexpr unsigned blank = 65535;
+std::string references_of(const std::vector<Slice> &slices, bool identifies);
 void open_dicom(Volume &volume, const Request &request);
 void open_folder(Volume &volume, const Request &request, const Files &files);
 

@@ -103,11 +103,12 @@ static std::string colour_of(const gdcm::DataSet &segment)
     return words + " 1 1 1";
 }
 
-/* Read the segments: their numbers, and lines of names. A description "label N" is the number of a
- * label that has another one than its segment. */
+/* Read the segments: their numbers, and lines of names. In our files, a description "label N" is
+ * the number of a label that has another one than its segment. */
 static void take_segments(Segments &segments, Volume &volume, const gdcm::DataSet &set)
 {
     const std::string charset = text_of(set, charset_tag);
+    const bool is_ours = text_of(set, gdcm::Tag(0x0008, 0x0070)) == "iftty";
     gdcm::SmartPointer<gdcm::SequenceOfItems> items;
     if (set.FindDataElement(segments_tag))
         items = set.GetDataElement(segments_tag).GetValueAsSQ();
@@ -118,7 +119,7 @@ static void take_segments(Segments &segments, Volume &volume, const gdcm::DataSe
         const std::string description = text_of(segment, description_tag);
         std::string label = in_utf8(text_of(segment, label_tag), charset);
         uint32_t of = number;
-        if (description.compare(0, 6, "label ") == 0 && description.size() <= 16 &&
+        if (is_ours && description.compare(0, 6, "label ") == 0 && description.size() <= 16 &&
             description.find_first_not_of("0123456789", 6) == std::string::npos) {
             const unsigned long said = std::strtoul(description.c_str() + 6, nullptr, 10);
             of = said > 0 && said <= UINT32_MAX ? static_cast<uint32_t>(said) : of;
@@ -365,16 +366,61 @@ static void make_planes(Segments &segments, const Volume &volume, bool sends)
         for (size_t i = 0; sends && i < segments.plane.size(); i++) {
             const uint32_t number = segments.plane[i];
             const auto byte = static_cast<uint8_t>(number);
-            const auto pair = static_cast<uint16_t>(number);
-            std::memcpy(&out[width * i],
-                        width == 1   ? static_cast<const void *>(&byte)
-                        : width == 2 ? static_cast<const void *>(&pair)
-                                     : static_cast<const void *>(&number),
+            std::memcpy(&out[width * i], width == 1 ? static_cast<const void *>(&byte) : &number,
                         width);
         }
         if (sends)
             send_piece(out.data(), out.size());
     }
+}
+
+/* ---- references to a series ---- */
+
+std::string references_of(const std::vector<Slice> &slices, bool identifies)
+{
+    static const gdcm::Tag class_and_instance[] = {class_tag, gdcm::Tag(0x0008, 0x0018)};
+    static const std::vector<gdcm::Tag> uids = {
+        {0x0020, 0x000d}, {0x0020, 0x000e}, {0x0020, 0x0052}};
+    static const std::vector<gdcm::Tag> identity = {
+        {0x0008, 0x0020}, {0x0008, 0x0030}, {0x0008, 0x0050}, {0x0008, 0x0090}, {0x0010, 0x0010},
+        {0x0010, 0x0020}, {0x0010, 0x0030}, {0x0010, 0x0040}, {0x0020, 0x0010}};
+    std::string lines, path, words;
+    for (const Slice &slice : slices) {
+        if (slice.frame == blank) {
+            lines += "slice   0\n";
+            continue;
+        }
+        if (slice.path != path) {
+            const auto in = open_bytes(slice.path);
+            gdcm::Reader reader;
+            if (in)
+                reader.SetStream(*in);
+            if (!in || !reader.ReadUpToTag(gdcm::Tag(0x0020, 0x0052), {}))
+                refuse("a slice whose header is damaged");
+            const gdcm::DataSet &set = reader.GetFile().GetDataSet();
+            const std::string charset = text_of(set, charset_tag);
+            std::vector<gdcm::Tag> tags(path.empty() ? uids : std::vector<gdcm::Tag>());
+            if (path.empty() && identifies)
+                tags.insert(tags.end(), identity.begin(), identity.end());
+            for (const gdcm::Tag &tag : tags) {
+                const std::string value = in_utf8(text_of(set, tag), charset);
+                lines += words_of("%04x%04x ", tag.GetGroup(), tag.GetElement()) +
+                         value.substr(0, label_most / 2) + "\n";
+            }
+            words = "slice";
+            for (const gdcm::Tag &tag : class_and_instance) {
+                const std::string uid = text_of(set, tag);
+                if (uid.empty() || uid.size() > 64 ||
+                    uid.find_first_not_of("0123456789.") != std::string::npos)
+                    refuse("a slice without a valid SOPInstanceUID, to which nothing can refer");
+                words += " " + uid;
+            }
+            path = slice.path;
+        }
+        const bool is_frame = slice.frames > 1 && slice.tiles == 1;
+        lines += words + " " + std::to_string(is_frame ? slice.frame + 1 : 0) + "\n";
+    }
+    return lines;
 }
 
 /* ---- the file ---- */
@@ -466,7 +512,7 @@ bool open_segments(Volume &volume, const Request &request)
     uint32_t most = 0;
     for (const auto &number : segments->numbers)
         most = std::max(most, number.second);
-    volume.type = most <= UINT8_MAX ? "uint8" : most <= UINT16_MAX ? "uint16" : "uint32";
+    volume.type = most <= UINT8_MAX ? "uint8" : "uint32";
     volume.format = "DICOM SEG";
     volume.is_segments = true;
     volume.size[0] = pixels.columns;

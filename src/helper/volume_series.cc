@@ -388,8 +388,6 @@ struct Stack {
     double slope = 1, intercept = 0;
 };
 
-const unsigned blank = 65535;
-
 void note_unevenness(Volume &volume, const Gaps &gaps, const std::vector<Slice> &slice)
 {
     const size_t last = slice.size() - 1;
@@ -694,6 +692,8 @@ void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Reques
     if (copies)
         note(volume, plural_of(copies, "file") + (copies == 1 ? " is a copy" : " are copies") +
                          " of others, and left out");
+    if (request.refers)
+        volume.references = references_of(stack->slice, request.identifies);
     choose_type(volume, *stack);
     check_pixels(volume, stack->slice);
     volume.format = "DICOM";

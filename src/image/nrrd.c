@@ -400,13 +400,6 @@ struct extent {
     uint32_t first[3], last[3];
 };
 
-static uint32_t number_at(const void *row, enum voxel_type type, uint32_t x)
-{
-    return type == VOXEL_UINT32   ? ((const uint32_t *)row)[x]
-           : type == VOXEL_UINT16 ? ((const uint16_t *)row)[x]
-                                  : ((const uint8_t *)row)[x];
-}
-
 /* The label with a number; 0 if none has it. */
 static unsigned label_at(const struct volume_map *map, uint32_t number)
 {
@@ -427,9 +420,9 @@ static void find_extents(struct extent extent[LABELS], const struct volume_map *
         for (uint32_t y = 0; y < size[1] && task_advance(&task, 1); y++) {
             map->row(map->context, y, z, row);
             for (uint32_t x = 0; x < size[0]; x++) {
-                const uint32_t is = number_at(row, map->type, x);
-                if (x > 0 && x + 1 < size[0] && is == number_at(row, map->type, x - 1) &&
-                    is == number_at(row, map->type, x + 1))
+                const uint32_t is = voxel_number(row, map->type, x);
+                if (x > 0 && x + 1 < size[0] && is == voxel_number(row, map->type, x - 1) &&
+                    is == voxel_number(row, map->type, x + 1))
                     continue;
                 if (is != map->label[label].number)
                     label = label_at(map, is);

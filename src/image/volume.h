@@ -36,6 +36,7 @@
     ROW(nrrd_format,                                                                               \
         "NRRD with header and voxels in one file, plain or gzip, is read and written. ")           \
     ROW(metaimage_format, "")                                                                      \
+    ROW(seg_format, "")                                                                            \
     ROW(raw_format, "")                                                                            \
     ROW(helped_format, HELPED_NOTE)
 

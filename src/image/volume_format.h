@@ -11,6 +11,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/buf.h"
 #include "base/err.h"
 #include "base/file.h"
 #include "base/watch.h"
@@ -40,6 +41,14 @@ const char *voxel_type_name(enum voxel_type type); /* "int16" */
 bool voxel_type_named(enum voxel_type *out, const char *name);
 
 size_t voxels_in(const uint32_t size[3]);
+
+/* The number of a voxel in a row of uint8, uint16 or uint32. */
+static inline uint32_t voxel_number(const void *row, enum voxel_type type, uint32_t x)
+{
+    return type == VOXEL_UINT32   ? ((const uint32_t *)row)[x]
+           : type == VOXEL_UINT16 ? ((const uint16_t *)row)[x]
+                                  : ((const uint8_t *)row)[x];
+}
 
 /* Convert between the byte order of this machine and that of a file, in place. */
 void voxels_reorder(void *value, size_t count, enum voxel_type type, bool big_endian);
@@ -82,7 +91,6 @@ struct raw_layout {
     bool big_endian;
     uint64_t offset; /* bytes before the voxels */
 };
-struct buf;
 struct volume_choice {
     bool has_volume; /* this one of a series, counted from 0: */
     uint32_t volume;
@@ -102,6 +110,8 @@ struct volume_choice {
     uint32_t threshold;      /* thousandths, for fractional segments; 0: none */
     uint32_t step_nm;        /* distance of the scene's slices, if the file does not say it; or 0 */
     struct buf *names;       /* receives the names of its segments (image/names.h); or NULL */
+    struct buf *references;  /* receives UIDs of a DICOM series (volume_helper.h); or NULL */
+    bool keeps_identity;     /* with its patient and study */
     struct raw_layout raw;   /* layout of voxels without a header */
     uint32_t spacing_nm[3];  /* spacing of a file without one; 0: none */
     const char *proof; /* the expected digest of the scene (engine/scene.h), otherwise the file
@@ -166,6 +176,14 @@ struct volume_label {
     bool used;       /* a voxel has it */
 };
 
+/* The DICOM series of a scene, to which DICOM SEG refers. */
+struct dicom_source {
+    struct buf words; /* lines (volume_helper.h), after an empty one */
+    bool has_slices;  /* the scene's slices are those of the series, from `first` on */
+    uint32_t first;
+    char date[9], time[7];
+};
+
 /* A map to be written. `row` is called for each row in file order, y faster than z, and fills
  * size[0] values of the type. */
 struct volume_map {
@@ -175,8 +193,9 @@ struct volume_map {
     const char *description; /* cut to the length that the format holds */
     void (*row)(void *context, uint32_t y, uint32_t z, void *values);
     void *context;
-    const struct volume_label *label; /* [256], for a map of labels; else NULL */
-    const struct buf *tail;           /* bytes after the voxels, from a format; or NULL */
+    const struct volume_label *label;  /* [256], for a map of labels; else NULL */
+    const struct dicom_source *source; /* or NULL */
+    const struct buf *tail;            /* bytes after the voxels, from a format; or NULL */
 };
 
 enum volume_taking { TAKES_FOLDERS = 1, TAKES_LAYOUTS = 2 };

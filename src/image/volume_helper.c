@@ -30,8 +30,11 @@ enum {
     SHOW_LIST = 4,
     ALONE = 8,
     CHOSEN = 16,
+    REFERENCES = 32,
+    IDENTITY = 64,
     LIST_MOST = 200100,
     NAMES_MOST = 16 << 20,
+    REFERENCE_MOST = 256,
     SERIES_MOST = 100000,
     BYTES_PER_MS = 20000,
 };
@@ -197,11 +200,12 @@ static bool send_request(struct volume_helper *helper, const char *kind, const c
                           buf_text(&helper->room),
                           path};
     enum { TEXTS = sizeof text / sizeof *text };
-    const unsigned flags = (volume_helper_is_wary ? 0u : (unsigned)FOLLOW_LINKS) |
-                           (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u) |
-                           (choice->list ? (unsigned)SHOW_LIST : 0u) |
-                           (choice->has_volume ? (unsigned)CHOSEN : 0u) |
-                           (choice->proof ? (unsigned)ALONE : 0u);
+    const unsigned flags =
+        (volume_helper_is_wary ? 0u : (unsigned)FOLLOW_LINKS) |
+        (choice->fills_gaps ? (unsigned)FILL_GAPS : 0u) |
+        (choice->list ? (unsigned)SHOW_LIST : 0u) | (choice->has_volume ? (unsigned)CHOSEN : 0u) |
+        (choice->proof ? (unsigned)ALONE : 0u) | (choice->references ? (unsigned)REFERENCES : 0u) |
+        (choice->keeps_identity ? (unsigned)IDENTITY : 0u);
     int length =
         snprintf(line, sizeof line, "open %s %u %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32, kind,
                  flags, choice->series, choice->volume, choice->threshold, choice->step_nm);
@@ -255,21 +259,46 @@ static bool receive_contents(char out[VOLUME_CONTENTS_BYTES], struct coprocess *
     return (are_lines(out, (size_t)n) && !strchr(out, '\n')) || coprocess_odd(process);
 }
 
+static bool receive_text(struct buf *out, struct coprocess *process, int64_t length)
+{
+    char *to = buf_reserve(out, (size_t)length);
+    if (!to || !coprocess_receive(process, to, (size_t)length))
+        return to ? false : coprocess_odd(process);
+    out->length += (size_t)length;
+    to[length] = '\0';
+    return true;
+}
+
 /* Receive the number of voxels in several segments, and the names of segments. */
 static bool receive_segments(struct volume_header *out, struct coprocess *process, const char *line)
 {
     static const int64_t most[2] = {INT64_MAX / 10, NAMES_MOST};
-    OWNED(mem_release) char *names = NULL;
+    OWNED(buf_release) struct buf unused = {0};
     int64_t number[2];
-    if (out->is_segments || !coprocess_numbers(line, 2, most, number) ||
-        !(names = mem_new((size_t)number[1] + 1)))
+    if (out->is_segments || !coprocess_numbers(line, 2, most, number))
         return coprocess_odd(process);
     out->is_segments = true;
     out->overlaps = (uint64_t)number[0];
-    if (!coprocess_receive(process, names, (size_t)number[1]))
+    return receive_text(out->choice.names ? out->choice.names : &unused, process, number[1]);
+}
+
+/* Receive lines about the series, each of a length that fits DICOM. */
+static bool receive_references(struct buf *out, struct coprocess *process, const char *line)
+{
+    static const int64_t most = NAMES_MOST;
+    int64_t length;
+    if (!out || out->length || !coprocess_numbers(line, 1, &most, &length))
+        return coprocess_odd(process);
+    buf_add_char(out, '\n');
+    if (!receive_text(out, process, length))
         return false;
-    if (out->choice.names)
-        buf_add(out->choice.names, names, (size_t)number[1]);
+    size_t begin = 0;
+    for (size_t i = 0; i < out->length; i++) {
+        if (out->data[i] == '\n')
+            begin = i;
+        else if ((unsigned char)out->data[i] < ' ' || i - begin > REFERENCE_MOST)
+            return coprocess_odd(process);
+    }
     return true;
 }
 
@@ -286,6 +315,8 @@ static enum err receive_answer(struct volume_header *out, struct coprocess *proc
         TRY(coprocess_answer(process, line, NULL, NULL, fault));
         if (scan_text(&at, "list "))
             fine = receive_list(out->choice.list, process, at);
+        else if (scan_text(&at, "references "))
+            fine = receive_references(out->choice.references, process, at);
         else if (scan_text(&at, "segments "))
             fine = receive_segments(out, process, at);
         else if (scan_text(&at, "contents "))

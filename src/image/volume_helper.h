@@ -21,6 +21,7 @@
  *                 series NUMBER\n
  *                 list LENGTH\n  lines
  *                 segments OVERLAPS LENGTH\n  names
+ *                 references LENGTH\n  lines
  *                 contents LENGTH\n  words
  *               and then
  *                 volume NX NY NZ VOLUMES KNOWN FORMAT_LENGTH TYPE_LENGTH NOTES_LENGTH\n
@@ -34,16 +35,19 @@
  *
  * KIND is a word of the table in volume_helper.c. FLAGS: 1 follow links in a folder, 2 replace
  * missing slices by blank ones, 4 send a list of series or of volumes with words of their files, 8
- * refuse voxels in other files and a choice of data sets, 16 VOLUME was chosen. SERIES counts from
- * 1; 0 is the only one, or the one whose description contains the word; the answer has its NUMBER.
- * Skip: names of files to leave out, separated by commas. VOLUME counts from 0. Data: the name of a
- * data set. Segments: those of DICOM SEG to read, as "3,5-7"; THRESHOLD: that of its fractions, in
- * thousandths, and 0 for none; STEP: the distance of the scene's slices in nanometres, or 0.
- * OVERLAPS: voxels in several segments; their names are lines of a table (image/names.h). Room: a
- * folder in which the helper may write, if any; the client removes it. KNOWN: 1 the spacing, 2 the
- * place, 4 its voxels may be compressed better than by gzip. The numbers are doubles of this
- * machine: the three rows of the matrix to the world (right, anterior, superior; millimetres),
- * slope and intercept. Voxels are of the type, in the order of this machine, x fastest.
+ * refuse voxels in other files and a choice of data sets, 16 VOLUME was chosen, 32 send references
+ * to the series, 64 with its patient and study. SERIES counts from 1; 0 is the only one, or the one
+ * whose description contains the word; the answer has its NUMBER. Skip: names of files to leave
+ * out, separated by commas. VOLUME counts from 0. Data: the name of a data set. Segments: those of
+ * DICOM SEG to read, as "3,5-7"; THRESHOLD: that of its fractions, in thousandths, and 0 for none;
+ * STEP: the distance of the scene's slices in nanometres, or 0. OVERLAPS: voxels in several
+ * segments; their names are lines of a table (image/names.h). References: attributes of the series,
+ * "TAG VALUE", and a line "slice CLASS INSTANCE FRAME" for each slice, FRAME from 1, or 0 for a
+ * file of one; without UIDs for a missing slice. Room: a folder in which the helper may write, if
+ * any; the client removes it. KNOWN: 1 the spacing, 2 the place, 4 its voxels may be compressed
+ * better than by gzip. The numbers are doubles of this machine: the three rows of the matrix to the
+ * world (right, anterior, superior; millimetres), slope and intercept. Voxels are of the type, in
+ * the order of this machine, x fastest.
  */
 #ifndef IMAGE_VOLUME_HELPER_H
 #define IMAGE_VOLUME_HELPER_H

@@ -204,8 +204,8 @@ enum err array_write(struct array_file *out, const struct exchange *exchange,
     if (!err)
         err = place_file(&out->path, exchange, buf_text(&file), fault);
     if (!err)
-        err =
-            export_map(session, (enum map)map, &labels, buf_text(&out->path), FILE_REPLACE, fault);
+        err = export_map(session, (enum map)map, &labels, buf_text(&out->path), FILE_REPLACE, NULL,
+                         fault);
     if (!err) { /* voxels are all that follows the header of the file */
         err = volume_begin(&reader, buf_text(&out->path), NULL, NULL, fault);
         out->type = reader.header.type;

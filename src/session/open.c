@@ -142,6 +142,57 @@ static enum err read_volume(struct volume *volume, const char *path,
     return volume_take(volume, &reader, fault);
 }
 
+/* Keep all that opens the same volume again. */
+static enum err keep_series(struct opened_series *out, const char *path,
+                            const struct volume *volume, struct fault *fault)
+{
+    struct volume_choice *choice = &out->choice;
+    *choice = volume->choice;
+    choice->series = volume->series;
+    choice->series_name = choice->proof = choice->data = NULL;
+    choice->list = choice->names = NULL;
+    memcpy(out->size, volume->size, sizeof out->size);
+    out->path = strdup(path);
+    out->skip = choice->skip ? strdup(choice->skip) : NULL;
+    if (!out->path || (choice->skip && !out->skip))
+        return fault_memory(fault, "a path");
+    choice->skip = out->skip;
+    return OK;
+}
+
+enum err session_find_source(const struct session *session, struct dicom_source *out,
+                             bool keeps_identity, struct fault *fault)
+{
+    const struct opened_series *series = &session->inside->series;
+    OWNED(volume_release) struct volume volume = {0};
+    struct scene *scene = NULL;
+    char proof[SHA256_HEX];
+    uint64_t digest;
+    if (!series->path)
+        return fault_set(fault, ERR_INPUT,
+                         "the scene is no DICOM series, and a segmentation refers to one; .nii.gz "
+                         "and .seg.nrrd need none");
+    struct volume_choice choice = series->choice;
+    choice.references = &out->words;
+    choice.keeps_identity = keeps_identity;
+    TRY(volume_read(&volume, series->path, &choice, session->watch, fault));
+    TRY(scene_new_plain(&scene, volume.size, volume.intensity, session->watch, fault));
+    volume.intensity = NULL;
+    memcpy(scene->spacing_nm, volume.geometry.spacing_nm, sizeof scene->spacing_nm);
+    memcpy(scene->world_axis, volume.geometry.world_axis, sizeof scene->world_axis);
+    memcpy(scene->world_sign, volume.geometry.world_sign, sizeof scene->world_sign);
+    scene_identify(&digest, proof, scene, session->team);
+    scene_free(scene);
+    TRY(watch_fault(session->watch, fault));
+    if (strcmp(proof, session->proof) != 0)
+        return fault_set(fault, ERR_INPUT, "%s has changed since the scene was opened",
+                         series->path);
+    out->has_slices = choice.reduce <= 1 && !choice.straightens &&
+                      memcmp(series->size, session->scene->grid.size, sizeof series->size) == 0;
+    out->first = choice.has_crop ? choice.first[2] : 0;
+    return out->words.failed ? fault_memory(fault, "references") : OK;
+}
+
 static enum err open_file(struct session *session, const char *path,
                           const struct volume_choice *choice, struct fault *fault)
 {
@@ -157,6 +208,8 @@ static enum err open_file(struct session *session, const char *path,
         memcpy(session->part.whole, volume.whole, sizeof volume.whole);
         memcpy(session->part.size, volume.size, sizeof volume.size);
     }
+    if (volume.series)
+        TRY(keep_series(&session->inside->series, path, &volume, fault));
     session->said = volume.geometry;
     session->levels = volume.levels;
     volume.levels = NULL;

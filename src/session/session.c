@@ -312,6 +312,9 @@ void session_close_scene(struct session *session)
     scene_free(session->scene);
     free(session->inside->mask_room);
     free(session->levels);
+    free(session->inside->series.path);
+    free(session->inside->series.skip);
+    session->inside->series = (struct opened_series){.path = NULL};
     session->levels = NULL;
     session->roi = roi_none();
     session->inside->mask_room = NULL;

@@ -234,6 +234,12 @@ void session_show_cross(struct session *session, const uint32_t place[3]);
 enum err session_open(struct session *session, const char *path, const struct volume_choice *choice,
                       struct fault *fault);
 
+/* Read the series of the scene again, and describe it for a segmentation; the caller releases
+ * out->words in any case. ERR_INPUT if the scene is no DICOM series, or its files have changed. */
+struct dicom_source;
+enum err session_find_source(const struct session *session, struct dicom_source *out,
+                             bool keeps_identity, struct fault *fault);
+
 /* Interpolate each axis a for which bit a of `doubled` is set, from n to 2n - 1 voxels
  * (engine/scene.h). The angles and the size of the view do not change; the zoom is that of a new
  * scene of this size. ERR_USAGE if there is a seed, planted or pending, or a mask, a cut or weights

@@ -12,6 +12,7 @@
 #include "engine/roi.h"
 #include "engine/scene.h"
 #include "image/geometry.h"
+#include "image/volume_format.h"
 #include "render/border.h"
 #include "session/state.h"
 #include "session/tally.h"
@@ -79,6 +80,13 @@ struct session_inside {
     /* Memory for the present and the former data, so that going back cannot fail. */
     struct weight_work weight_work;
     uint64_t *mask_room;
+
+    /* The DICOM series of the scene: its path, and the options of `open`. path NULL: none. */
+    struct opened_series {
+        char *path, *skip;
+        struct volume_choice choice;
+        uint32_t size[3]; /* size of the scene, as opened */
+    } series;
 
     /* State before the present command. */
     struct former_scene former_scene;

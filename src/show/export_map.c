@@ -125,7 +125,8 @@ static enum err find_type(struct map_source *source, struct fault *fault)
 }
 
 enum err export_map(const struct session *session, enum map map, const struct labels *labels,
-                    const char *path, enum file_mode mode, struct fault *fault)
+                    const char *path, enum file_mode mode, const struct dicom_source *source_series,
+                    struct fault *fault)
 {
     static const struct {
         enum voxel_type type;
@@ -163,6 +164,7 @@ enum err export_map(const struct session *session, enum map map, const struct la
                                        fill_row,
                                        &source,
                                        map == MAP_LABELS ? label : NULL,
+                                       source_series,
                                        NULL};
     return description.failed ? fault_memory(fault, "a map")
                               : volume_write(path, mode, &written, session->watch, fault);

@@ -22,9 +22,12 @@ enum map { MAP_LABELS, MAP_COST, MAP_ROOT, MAP_BORDER, MAP_DISTANCE, MAP_MARGIN,
  *     distance    uint16, the plateau distance (hops of engine/forest.h), or 65535
  *     margin      uint16 (engine/margin.h)
  *     intensity   float32, the values of levels_value; for NIfTI alone
+ *
+ * `source` is for DICOM SEG; otherwise NULL.
  */
 enum err export_map(const struct session *session, enum map map, const struct labels *labels,
-                    const char *path, enum file_mode mode, struct fault *fault);
+                    const char *path, enum file_mode mode, const struct dicom_source *source,
+                    struct fault *fault);
 
 /* List the planted seeds as `seed-file` reads them: a line of column names, and lines x,y,z,label
  * in the order of voxels, with four more columns for seeds that have a reach. */

@@ -365,7 +365,8 @@ void bench_vtk(struct bench_vtk *out, const struct session *session)
     if (!bench_find_in_tree(&script, "tests/peers/vtk_render.py"))
         return;
     buf_printf(&labels, "%s/labels.nii", bench_folder(NULL));
-    must(export_map(session, MAP_LABELS, &forest, buf_text(&labels), FILE_KEEP, &bench_fault));
+    must(
+        export_map(session, MAP_LABELS, &forest, buf_text(&labels), FILE_KEEP, NULL, &bench_fault));
     buf_printf(&command,
                "taskset -c %d /usr/bin/python3 '%s' '%s' --size %d %d --angles 30 15 0 --zoom 1 "
                "--rounds 7",

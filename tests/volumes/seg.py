@@ -2,8 +2,10 @@
 """DICOM SEG by pydicom, for tests/test_seg.sh.
 
     seg.py FOLDER       makes an oblique CT, segmentations of it, and maps of the same labels there
-    seg.py read A.dcm B.nii    compares the voxels of a SEG and a map, place by place, and prints
-                               the segments of the SEG"""
+    seg.py damage A.dcm makes copies of it with wrong bytes
+    seg.py read A.dcm B.nii [FOLDER]
+                        compares the voxels of a SEG and a map, place by place, and its references
+                        with the series there, and prints the segments of the SEG"""
 import copy
 import os
 import random
@@ -162,7 +164,7 @@ def hurt(name, change):
     one.save_as("bad-%s.dcm" % name)
 
 
-def read(path, of):
+def read(path, of, series=None):
     image = nibabel.load(of)
     expected = numpy.asarray(image.dataobj)
     found = numpy.zeros_like(expected)
@@ -177,7 +179,25 @@ def read(path, of):
     shared = seg.SharedFunctionalGroupsSequence[0]
     axes = numpy.array(shared.PlaneOrientationSequence[0].ImageOrientationPatient, float)
     spacing = numpy.array(shared.PixelMeasuresSequence[0].PixelSpacing, float)
+    slices = {}  # the place of each slice
+    for name in os.listdir(series) if series else []:
+        one = pydicom.dcmread(os.path.join(series, name))
+        slices[one.SOPInstanceUID] = one
+    listed = seg.ReferencedSeriesSequence[0]
+    if series:
+        assert {one.ReferencedSOPInstanceUID for one in listed.ReferencedInstanceSequence} == \
+            set(slices)
+        assert listed.SeriesInstanceUID == one.SeriesInstanceUID
+        for name in ("StudyInstanceUID", "FrameOfReferenceUID"):
+            assert seg[name] == one[name], name
     for group, pixels in zip(seg.PerFrameFunctionalGroupsSequence, frames):
+        at = numpy.array(group.PlanePositionSequence[0].ImagePositionPatient, float)
+        source = [one for derived in group.get("DerivationImageSequence", [])
+                  for one in derived.SourceImageSequence]
+        assert len(source) == (1 if series else 0)
+        for one in source:
+            first = numpy.array(slices[one.ReferencedSOPInstanceUID].ImagePositionPatient, float)
+            assert abs(numpy.dot(at - first, numpy.cross(axes[:3], axes[3:]))) < 1e-3, at - first
         y, x = numpy.nonzero(pixels)
         place = numpy.ones((4, len(x)))
         place[:3] = numpy.array(group.PlanePositionSequence[0].ImagePositionPatient,
@@ -191,7 +211,19 @@ def read(path, of):
     assert (found == expected).all(), "%d voxels differ" % (found != expected).sum()
 
 
-if sys.argv[1] == "read":
+def damage(path):
+    """Copies with a few wrong bytes before the pixels."""
+    rest, whole = random.Random(5), open(path, "rb").read()
+    for n in range(60):
+        bytes_ = bytearray(whole)
+        for _ in range(1 + n % 4):
+            bytes_[rest.randrange(1000, whole.rindex(b"\xe0\x7f\x10\0"))] = rest.randrange(256)
+        write("damaged-%d.dcm" % n, bytes_)
+
+
+if sys.argv[1] == "damage":
+    damage(sys.argv[2])
+elif sys.argv[1] == "read":
     read(*sys.argv[2:])
 else:
     os.chdir(sys.argv[1])
