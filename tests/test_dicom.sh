@@ -189,4 +189,22 @@ refused "it holds 2 series" "open by-slice"
 opened_as by-slice by-slice.twin.nii series=1
 refused "seg.dcm is a segmentation (DICOM SEG)" "open by-slice series=2"
 
+begin "labels of an enhanced image refer to its frames"
+expect 0 "$iftty" -c "open enhanced-echo volume=1; seed 5,5,2 4 radius=3 within=0; \
+save labels frames.dcm; save labels frames.nii"
+expect 0 "$PYTHON" -B "$top/tests/volumes/seg.py" read frames.dcm frames.nii enhanced-echo
+out_has "4 label 4"
+
+begin "labels at missing slices refer to none"
+for name in by-slice/IM*; do # until one is missing between others
+    rm -rf gap
+    cp -r by-slice gap
+    rm "gap/${name#*/}"
+    "$iftty" -c "open gap series=1" 2>&1 | grep -q missing=blank && break
+done
+expect 0 "$iftty" -c "open gap series=1 missing=blank; seed 5,5,2 1 radius=6 within=0; \
+save labels gap.dcm"
+dcmdump gap.dcm >dump
+same "$(grep -c 0020,9113..SQ dump) $(grep -c 0008,9124..SQ dump)" "5 4"
+
 finish_opened

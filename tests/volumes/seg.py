@@ -179,10 +179,12 @@ def read(path, of, series=None):
     shared = seg.SharedFunctionalGroupsSequence[0]
     axes = numpy.array(shared.PlaneOrientationSequence[0].ImageOrientationPatient, float)
     spacing = numpy.array(shared.PixelMeasuresSequence[0].PixelSpacing, float)
-    slices = {}  # the place of each slice
-    for name in os.listdir(series) if series else []:
-        one = pydicom.dcmread(os.path.join(series, name))
-        slices[one.SOPInstanceUID] = one
+    slices = {}  # the places of each file
+    for name in ([series] if os.path.isfile(series) else
+                 [os.path.join(series, name) for name in os.listdir(series)]) if series else []:
+        one = pydicom.dcmread(name)
+        slices[one.SOPInstanceUID] = [group.PlanePositionSequence[0] for group in one.get(
+            "PerFrameFunctionalGroupsSequence", [])] or [one]
     listed = seg.ReferencedSeriesSequence[0]
     if series:
         assert {one.ReferencedSOPInstanceUID for one in listed.ReferencedInstanceSequence} == \
@@ -196,7 +198,10 @@ def read(path, of, series=None):
                   for one in derived.SourceImageSequence]
         assert len(source) == (1 if series else 0)
         for one in source:
-            first = numpy.array(slices[one.ReferencedSOPInstanceUID].ImagePositionPatient, float)
+            places = slices[one.ReferencedSOPInstanceUID]
+            assert ("ReferencedFrameNumber" in one) == (len(places) > 1)
+            first = numpy.array(places[one.get("ReferencedFrameNumber", 1) - 1]
+                                .ImagePositionPatient, float)
             assert abs(numpy.dot(at - first, numpy.cross(axes[:3], axes[3:]))) < 1e-3, at - first
         y, x = numpy.nonzero(pixels)
         place = numpy.ones((4, len(x)))
