@@ -20,8 +20,8 @@ LESSONS  := invesalius-examples insighttoolkit5-examples
 # Packages of tests. Those after this word in a list are left out where they do not exist.
 TEST_PACKAGES := tmux screen procps python3 python3-nibabel python3-pydicom python3-h5py \
                  python3-jsonschema python3-matplotlib \
-                 teem-apps dcmtk medcon plastimatch libinsighttoolkit5-dev python3-tifffile \
-                 libtiff-tools openssh-client \
+                 teem-apps dcmtk dicom3tools medcon plastimatch libinsighttoolkit5-dev \
+                 python3-tifffile libtiff-tools openssh-client \
                  bindfs fuse3 python3-pil python3-fonttools fonts-dejavu-extra \
                  man-db groff-base mandoc zsh fish
 # Debian 13 has the HEIC encoder in a separate package.

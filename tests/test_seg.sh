@@ -133,6 +133,13 @@ same "$(cmp -s known.dcm out.dcm && echo same)" ""
 expect_err "identity= and times= are for" 2 "$iftty" -c \
     "open ct; labels binary.dcm; save labels new.nii times=yes"
 
+begin "dciodvfy finds no error in them"
+needs dciodvfy && for name in out known; do
+    dciodvfy $name.dcm >"$work/out" 2>&1
+    out_has "Segmentation"
+    same "$name: $(grep Error "$work/out")" "$name: "
+done
+
 begin "parts of the series refer to their slices, and other grids to the series"
 expect 0 "$iftty" -c "open ct crop=2-20,3-18,4-10; labels binary.dcm; save labels part.dcm; \
 save labels part.nii"
