@@ -202,7 +202,7 @@ HELPERS ?= image volume register
 all: $(BUILD)/iftty $(HELPERS:%=$(BUILD)/iftty-%)
 
 ## test: install missing packages, build, run every test; ends with "N passed, N failed,
-##     N skipped"; JOBS=2 programs at once (default: cores plus one)
+##     N skipped"; JOBS=2 programs at once (default: cores plus two)
 test: all tests build/.packages-test
 	@tests/run.sh $(BUILD)
 

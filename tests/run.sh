@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Run test programs and scripts in parallel and add up their TAP: run.sh BUILD [NAME...]
 #
-#     JOBS=N      programs at once; by default the number of cores plus one, since some wait for a
+#     JOBS=N      programs at once; by default the number of cores plus two, since some wait for a
 #                 terminal or a helper
 #     LIMIT=S     a program that runs longer than S seconds fails; 1200 by default
 #     TMPDIR=...  the folder for their files. By default they are in memory, if there is such a
@@ -125,7 +125,7 @@ export IFTTY_BUILD memory disk results
 trap 'rm -rf "$memory" "$disk"' EXIT
 trap 'kill $! 2>/dev/null; exit 1' HUP INT TERM
 
-ordered "$@" | xargs -n 1 -P "${JOBS:-$(($(nproc) + 1))}" tests/run.sh one &
+ordered "$@" | xargs -n 1 -P "${JOBS:-$(($(nproc) + 2))}" tests/run.sh one &
 wait $!
 if [ $# -gt 10 ]; then
     echo "# busy longest, in seconds of the processor:"

@@ -219,8 +219,7 @@ struct map_place act_map_place(const struct act *act)
     place.choice = (struct volume_choice){.has_volume = act_has(act, "volume"),
                                           .volume = (uint32_t)act_number(act, "volume"),
                                           .command = act->call->command->name,
-                                          .data = act_text(act, "data"),
-                                          .threshold = (uint32_t)act_number(act, "threshold")};
+                                          .data = act_text(act, "data")};
     return place;
 }
 
@@ -230,6 +229,7 @@ enum err act_read_map(const struct act *act, struct volume *map, uint32_t first,
     struct map_place place = act_map_place(act);
     struct buf *path = act_buf(act), *range = act_buf(act);
     place.choice.segments = act_text(act, "regions");
+    place.choice.threshold = (uint32_t)act_number(act, "threshold");
     if (last < UINT32_MAX) {
         buf_printf(range, "%u-%u", first, last);
         place.choice.segments = buf_text(range);

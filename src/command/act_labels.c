@@ -413,6 +413,7 @@ static enum err read_original(struct volume *map, struct label_table *names, con
     OWNED(mem_release) uint8_t *beyond = NULL;
     struct buf *text = act_buf(act), *path = act_buf(act);
     struct map_place place = act_map_place(act);
+    place.choice.threshold = (uint32_t)act_number(act, "threshold");
     TRY(act_choose_regions(&regions, act, act_value(act, "label")));
     place.names = text;
     place.choice.segments = keeps_rest(act) ? NULL : act_text(act, "regions");

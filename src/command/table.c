@@ -101,10 +101,10 @@ enum { VOLUMES_MOST = 65535 };
 #define FINISHED_NOTE LEFT_NOTE "; the default is no, or at a prompt the setting `finished`."
 
 /* Parameters shared by all commands that read a map. */
-#define OF_MAP                                                                                     \
+#define OF_VOLUME                                                                                  \
     YES_NO("resample"), KEYED("volume", VALUE_NUMBER, .most = VOLUMES_MOST),                       \
-        KEYED("data", VALUE_WORD, .form = "NAME"),                                                 \
-        KEYED("threshold", VALUE_DECIMAL, .least = 1, .most = 1000)
+        KEYED("data", VALUE_WORD, .form = "NAME")
+#define OF_MAP OF_VOLUME, KEYED("threshold", VALUE_DECIMAL, .least = 1, .most = 1000)
 #define MAP_NOTE                                                                                   \
     "\nresample: yes resamples a map from another grid, by nearest neighbour. Without it, a map "  \
     "that is displaced by more than half a voxel is rejected.\n"                                   \
@@ -219,14 +219,14 @@ static const struct command command_table[] = {
      "origin 74120d6c3f0cc54e2237dc0bced98ab5 by=world as=labels"},
     {COMMAND("weight", act_weight, GROUP_WEIGHT, R | S | E | C),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = WEIGHT_KINDS),
-      WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH), OF_MAP},
+      WEIGHT_ARGUMENTS(MAY_WEIGH, KEYED_WEIGH), OF_VOLUME},
      "set arc weights, the costs of steps between voxels",
      WEIGHT_DETAIL,
      "weight gauss 1.5"},
     {COMMAND("channel", act_channel, GROUP_WEIGHT, R | S | E | C),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "1|2|3|4|5|6|7|8"),
       KEYED("percent", VALUE_NUMBER, .most = PERCENT_MOST),
-      KEYED("name", VALUE_WORD, .is_kept = true, .form = "NAME"), YES_NO("remove"), OF_MAP},
+      KEYED("name", VALUE_WORD, .is_kept = true, .form = "NAME"), YES_NO("remove"), OF_VOLUME},
      "add a channel: further intensities of each voxel",
      "FILE is a volume on the scene's grid, such as another sequence or phase of the same patient. "
      "The scene itself is channel 1, and files become channels 2, 3 and so on. The weight of a "
