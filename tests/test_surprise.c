@@ -53,7 +53,7 @@ GEOM_STORY(a_seed_that_floods_an_object_says_so)
     CHECK(!is_surprised("seed 2,2,2 0") && is_surprised("seed 50,10,15 1"));
     CHECK_HAS(buf_text(&reply.text), " changed, label 1: ");
     CHECK_HAS(buf_text(&reply.text),
-              "\nthis `seed` took 37.2 ml of label 0 through 50,8,15; undo ");
+              "\nthis `seed` took 37.2 ml of label 0 through 55,9,13; undo ");
     CHECK(strstr(buf_text(&reply.words), "took") == NULL && !is_surprised("undo"));
     CHECK(!is_surprised("redo") && !is_surprised("undo"));
     CHECK(!is_surprised("seed 50,10,15 1 radius=7")); /* which is large itself */
@@ -71,7 +71,7 @@ GEOM_STORY(so_do_boxes_eliminators_and_runs)
     CHECK_HAS(buf_text(&reply.text), "\nthis `remove` took ");
     must(&interp, "auto off");
     CHECK(!is_surprised("seed 50,10,15 1") && is_surprised("run"));
-    CHECK_HAS(buf_text(&reply.text), "\nthis `run` took 37.2 ml of label 0 through 50,8,15; ");
+    CHECK_HAS(buf_text(&reply.text), "\nthis `run` took 37.2 ml of label 0 through 55,9,13; ");
 }
 
 /* Two bright cubes of one size, a dark one, and a bright one that is larger. */

@@ -226,7 +226,7 @@ static const struct command command_table[] = {
     {COMMAND("channel", act_channel, GROUP_WEIGHT, R | S | E | C),
      {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "1|2|3|4|5|6|7|8"),
       KEYED("percent", VALUE_NUMBER, .most = PERCENT_MOST),
-      KEYED("name", VALUE_WORD, .is_kept = true, .form = "NAME"), YES_NO("remove"), OF_VOLUME},
+      KEYED("name", VALUE_WORD, .form = "NAME"), YES_NO("remove"), OF_VOLUME},
      "add a channel: further intensities of each voxel",
      "FILE is a volume on the scene's grid, such as another sequence or phase of the same patient. "
      "The scene itself is channel 1, and files become channels 2, 3 and so on. The weight of a "

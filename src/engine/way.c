@@ -77,15 +77,25 @@ bool passage_find(uint32_t *cell, const struct forest *forest, unsigned label)
     const struct changes changes = forest_changes(forest);
     struct edges edges = {.count = 0};
     const struct edge *best = NULL;
-    size_t at = 0;
-    for (size_t i = 0; i < PASSAGE_SAMPLES; i++) {
-        const size_t even = changes.listed * i / PASSAGE_SAMPLES;
-        at = even > at ? even : at;
-        while (at < changes.listed && changes.item[at].former_label != label)
-            at++;
-        if (at < changes.listed)
-            add_path(&edges, forest, changes.item[at++].cell);
+    struct {
+        uint64_t hash;
+        uint32_t cell;
+    } sample[PASSAGE_SAMPLES]; /* those of the least hashes, in any order of the changes */
+    size_t samples = 0;
+    for (size_t i = 0; i < changes.listed; i++) {
+        const uint32_t at = changes.item[i].cell;
+        const uint64_t hash = hash_mix(at);
+        if (changes.item[i].former_label != label ||
+            (samples == PASSAGE_SAMPLES && sample[samples - 1].hash < hash))
+            continue;
+        size_t k = samples < PASSAGE_SAMPLES ? samples++ : samples - 1;
+        for (; k > 0 && sample[k - 1].hash > hash; k--)
+            sample[k] = sample[k - 1];
+        sample[k].hash = hash;
+        sample[k].cell = at;
     }
+    for (size_t i = 0; i < samples; i++)
+        add_path(&edges, forest, sample[i].cell);
     for (const struct edge *e = edges.item; e < edges.item + edges.count; e++)
         if (!best || is_better(&edges, e, best))
             best = e;

@@ -83,6 +83,8 @@ uint64_t session_finish_source(const struct session *session)
 
 const uint8_t *session_finished(const struct session *session)
 {
+    if (!session->has_scene)
+        return NULL;
     struct finished *made = &session->inside->finished, *former = &session->inside->former_finished;
     const uint64_t of = session_finish_source(session);
     if (former->label && former->of == of) {

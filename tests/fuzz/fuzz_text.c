@@ -45,7 +45,7 @@ void fuzz_config(const uint8_t *bytes, size_t length)
     check_lines(&config.words);
     check_lines(&config.start);
     const struct pilot_setup *setup = &config.setup;
-    HOLDS(setup->theme && setup->brush.label < 256 && setup->brush.radius <= 64);
+    HOLDS(setup->brush.label < 256 && setup->brush.radius <= 64);
     HOLDS(setup->windows <= SETUP_WINDOWS_MOST);
     for (size_t i = 0; i < setup->windows; i++)
         HOLDS(setup->window[i].width > 0 && memchr(setup->window[i].name, '\0', SETUP_NAME_BYTES));
