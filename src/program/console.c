@@ -99,7 +99,7 @@ struct watch *console_watch(void)
 void console_look_on(const struct console_onlooker *looks)
 {
     onlooker = looks;
-    progress.owns_row = looks != NULL;
+    progress.owns_row |= looks != NULL; /* also for the pictures after a command */
 }
 
 void console_erase_progress(void)
