@@ -87,6 +87,26 @@ typing "q" '^ends 0$'
 enter_anew "$iftty watch e.iftty --from 7; echo ends \$?" 'expected a step 1\.\.6' '^ends 2$'
 enter_anew "$iftty watch e.iftty --from 4 --until 3; echo ends \$?" '^ends 2$'
 
+begin "q leaves at once, before steps whose keys were typed earlier"
+# Watch with these keys; set spent to the user time in hundredths of a second. A hundred steps need
+# five times that of none.
+spend() {
+    enter_anew "($iftty watch $top/examples/first-organ.iftty --graphics blocks; times >times)"
+    typing "$1" '^verified: '
+    comes_true [ -s times ]
+    spent=$(tail -n 1 times | sed 's/m/ /; s/s.*//' | awk '{ print int(100 * (60 * $1 + $2)) }')
+    rm times
+}
+if "$iftty" -c 'open ch2.nii.gz' </dev/null >/dev/null 2>&1; then
+    spend q
+    once=$spent
+    steps="                    gg"
+    spend "$steps$steps$steps$steps${steps}q"
+    [ "$spent" -lt $((2 * once)) ] || fail "$spent with steps, $once without"
+else
+    skip "there is no ch2.nii.gz here"
+fi
+
 # at_terminal WORDS STATUS TEXT: run the program at a terminal; check its status and its output.
 at_terminal() {
     enter_anew "$iftty watch $1; echo ends \$?" "^ends $2\$"

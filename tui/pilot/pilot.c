@@ -453,12 +453,15 @@ static bool read_key(struct pilot *p, struct key_event *event);
 #define READ_EVERY_NS  UINT64_C(10000000)
 
 /* Keys are read ahead up to the first that does more than move the cross-hair: the text after a
- * colon is read by the line editor. */
+ * colon is read by the line editor. Where nothing is recorded, steps are read ahead too. */
 static bool takes_ahead(const struct pilot *p)
 {
     const struct typed_ahead *ahead = &p->ahead;
+    const struct key_event *last = ahead->count ? ahead->event + ahead->count - 1 : NULL;
+    const struct pilot_row *row = last && p->state->watches ? pilot_row_of(p->state, last) : NULL;
     return typed_ahead_has_room(ahead) &&
-           (!ahead->count || pilot_only_moves(p->state, ahead->event + ahead->count - 1));
+           (!last || (p->state->watches ? !row || row->request == PILOT_NOTHING
+                                        : pilot_only_moves(p->state, last)));
 }
 
 /* Read keys; return false if it is too early. */
@@ -476,16 +479,15 @@ static bool read_keys_ahead(struct pilot *p, uint64_t now_ns)
     return true;
 }
 
-/* Return true if a key to leave was typed where nothing is recorded: keys before it do not
- * matter. */
+/* Return true if the last key that was read ahead leaves, and nothing is recorded: keys before it
+ * do not matter. */
 static bool is_left(void *context)
 {
     const struct pilot *p = context;
-    size_t i = p->ahead.taken;
-    const struct pilot_row *row = NULL;
-    do /* up to a key that is no action alone: text may follow */
-        row = i < p->ahead.count ? pilot_row_of(p->state, p->ahead.event + i++) : NULL;
-    while (row && row->request == PILOT_NOTHING);
+    const struct typed_ahead *ahead = &p->ahead;
+    const struct pilot_row *row = ahead->count > ahead->taken
+                                      ? pilot_row_of(p->state, ahead->event + ahead->count - 1)
+                                      : NULL;
     return p->state->watches && row && row->request == PILOT_LEAVE;
 }
 
@@ -534,7 +536,13 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
         err = term_set_mode(TERM_QUIET, fault);
     if (err)
         return err;
-    p->reads_ns = p->shows_ns = clock_ns() + SHOWN_AFTER_NS;
+    const uint64_t now_ns = clock_ns();
+    p->shows_ns = now_ns + SHOWN_AFTER_NS;
+    p->reads_ns = p->state->watches ? 0 : p->shows_ns;
+    if (p->state->watches && read_keys_ahead(p, now_ns) && is_left(p)) {
+        p->is_over = true;
+        return term_set_mode(TERM_RAW, fault);
+    }
     host->look_on(host->context, &onlooker);
     *of_command = p->state->sketches ? host->sketch(host->context, line, &why)
                                      : host->execute(host->context, line, output, &why);
@@ -681,51 +689,12 @@ static enum err show_pages(struct pilot *p, const struct buf *text, struct fault
     return err || is_shown ? err : show_by_pages(p, text, fault);
 }
 
-/* Insert bytes before all input that the line editor has not handled yet. */
-static enum err insert_input(struct pilot *p, struct buf *bytes, struct fault *fault)
-{
-    struct line_editor *e = p->editor;
-    buf_add(bytes, buf_text(&e->input) + e->taken, e->input.length - e->taken);
-    if (bytes->failed)
-        return fault_memory(fault, "the text typed");
-    const struct buf former = e->input;
-    e->input = *bytes;
-    e->taken = 0;
-    *bytes = former;
-    return OK;
-}
-
-/* Return keys to the input that were typed ahead: they are text of the line. */
-static enum err return_typed(struct pilot *p, struct fault *fault)
-{
-    OWNED(buf_release) struct buf bytes = {0};
-    struct key_event event;
-    while (typed_ahead_take(&p->ahead, &event)) {
-        if (event.key == KEY_PASTE_END) { /* a line of its own, after this one */
-            typed_ahead_put_back(&p->ahead, &event);
-            break;
-        }
-        const bool is_plain = event.key == KEY_CHARACTER && event.modifiers == 0;
-        const bool is_control = event.key == KEY_CHARACTER && event.modifiers == KEY_CONTROL;
-        buf_add(&bytes, event.text, is_plain ? event.length : 0);
-        if (!is_plain)
-            buf_add_char(&bytes, is_control                   ? (char)(event.point & 31)
-                                 : event.key == KEY_ENTER     ? '\r'
-                                 : event.key == KEY_TAB       ? '\t'
-                                 : event.key == KEY_BACKSPACE ? '\177'
-                                                              : '\3'); /* leaves the line */
-    }
-    return insert_input(p, &bytes, fault);
-}
-
 static enum err ask_for_command(struct pilot *p, struct fault *fault)
 {
     OWNED(buf_release) struct buf output = {0};
     enum err of_command = OK;
     bool ended = false;
     enum err err = go_to_last_row("\033[K\033[?25h", fault);
-    if (!err)
-        err = return_typed(p, fault);
     p->editor->is_one_line = true;
     if (!err)
         err = line_edit(p->editor, ":", &ended, fault);
@@ -751,13 +720,20 @@ static enum err ask_for_command(struct pilot *p, struct fault *fault)
 /* Pass pasted text to the line editor as a paste, before all later input. */
 static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
 {
-    OWNED(buf_release) struct buf input = {0};
+    struct line_editor *e = p->editor;
+    struct buf input = {0};
     buf_add_text(&input, "\033[200~");
     buf_add(&input, buf_text(&p->pasted), p->pasted.length);
     buf_add_text(&input, "\033[201~");
-    input.failed |= p->pasted.failed;
+    buf_add(&input, buf_text(&e->input) + e->taken, e->input.length - e->taken);
     buf_clear(&p->pasted);
-    TRY(insert_input(p, &input, fault));
+    if (input.failed || p->pasted.failed) {
+        buf_release(&input);
+        return fault_memory(fault, "the pasted text");
+    }
+    buf_release(&e->input);
+    e->input = input;
+    e->taken = 0;
     return ask_for_command(p, fault);
 }
 
