@@ -69,6 +69,12 @@ grep -q 'voxel 20,25,20 .*intensity in channel 2: 1' out || fail "$(grep voxel o
 err_has "range: no voxel of it has such an intensity"
 grep -q '^ok [0-9]* seed 42,25,20 2 radius=3 range=40..50' out || fail "nothing was planted"
 
+begin "a channel that undo has removed leaves the window of the first"
+expect 0 "$iftty" -c "open a-real.nii; window 10 20; channel b-real.nii; show-channel 2
+    window 30 40; undo 9; info; redo 9; info; show-channel 1; info"
+same "$(grep -o 'window [0-9. ]*,' out | tail -n 3 | tr '\n' ' ')" \
+    "window 10 20, window 30 40, window 10 20, "
+
 begin "adding, scaling and removing a channel is undone exactly, whatever is shown"
 steps="open case_0000.nii; channel case_0001.nii; $seeds; show-channel 2"
 expect 0 "$iftty" -c "$steps; channel 2 percent=50; undo; channel 2 remove=yes; why 42,25,20; undo

@@ -24,11 +24,10 @@ static const struct {
     {                                                                                              \
         offsetof(struct outlook, name), sizeof(((struct outlook *)NULL)->name)                     \
     }
-    MEMBER(view.angle),          MEMBER(view.zoom),      MEMBER(view.focus),
-    MEMBER(slices.cross),        MEMBER(slices.zoom),    MEMBER(slices.times),
-    MEMBER(slices.has_middle),   MEMBER(slices.middle),  MEMBER(slices.has_window),
-    MEMBER(slices.window),       MEMBER(slices.channel), MEMBER(slices.other_has_window),
-    MEMBER(slices.other_window),
+    MEMBER(view.angle),        MEMBER(view.zoom),      MEMBER(view.focus),
+    MEMBER(slices.cross),      MEMBER(slices.zoom),    MEMBER(slices.times),
+    MEMBER(slices.has_middle), MEMBER(slices.middle),  MEMBER(slices.has_window),
+    MEMBER(slices.window),     MEMBER(slices.channel),
 };
 
 /* No byte is padding, and none belongs to two members. */

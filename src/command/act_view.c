@@ -93,16 +93,6 @@ static enum err read_channel(struct channel_values **values, const struct act *a
     return OK;
 }
 
-/* Show another channel, with its own window. */
-static void show_channel(struct slice_settings *s, unsigned was, unsigned channel)
-{
-    s->other_has_window[was] = s->has_window;
-    memcpy(s->other_window[was], s->window, sizeof s->window);
-    s->has_window = s->other_has_window[channel];
-    memcpy(s->window, s->other_window[channel], sizeof s->window);
-    s->channel = channel;
-}
-
 /* Refuse the number of a channel that does not exist. */
 static enum err check_channel(const struct act *act, unsigned channel)
 {
@@ -128,7 +118,7 @@ enum err act_show_channel(const struct act *act)
         return fault_set(act->fault, ERR_USAGE,
                          "a `range` of the first channel restricts trees; `range none` removes it; "
                          "nothing has changed");
-    show_channel(&act->next->outlook.slices, was, channel);
+    act->next->outlook.slices.channel = channel;
     TRY(act_go(act));
     channel_write(&act->reply->text, act->session);
     buf_add_text(&act->reply->text, " is shown\n");
@@ -138,7 +128,7 @@ enum err act_show_channel(const struct act *act)
 enum err act_channel(const struct act *act)
 {
     struct kept *kept = &act->next->kept;
-    const unsigned count = kept_channels(kept), was = session_shown_channel(act->session);
+    const unsigned count = kept_channels(kept);
     const int64_t number = act_number(act, "FILE");
     const unsigned channel = number < 0 ? count + 1 : (unsigned)number;
     const char *const of_file = number < 0 ? NULL : call_given(act->call, "resample|volume|data");
@@ -169,10 +159,15 @@ enum err act_channel(const struct act *act)
         if (!of)
             return fault_set(act->fault, ERR_USAGE,
                              "the first channel cannot be removed; nothing has changed");
-        show_channel(&act->next->outlook.slices, was, 0);
-        memmove(of, of + 1, (size_t)(kept->channel + CHANNELS_MOST - of - 1) * sizeof *of);
+        struct slice_settings *slices = &act->next->outlook.slices;
+        const size_t later = CHANNELS_MOST - channel;
+        memmove(of, of + 1, later * sizeof *of);
         kept->channel[CHANNELS_MOST - 1] = (struct kept_channel){.values = NULL};
-        memset(act->next->outlook.slices.other_has_window + 1, 0, CHANNELS_MOST * sizeof(uint32_t));
+        memmove(slices->has_window + channel, slices->has_window + channel + 1,
+                later * sizeof *slices->has_window);
+        memmove(slices->window + channel, slices->window + channel + 1,
+                later * sizeof *slices->window);
+        slices->has_window[CHANNELS_MOST] = slices->channel = 0;
     }
     return add_weights(act, act_go(act));
 }

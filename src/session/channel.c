@@ -86,10 +86,8 @@ unsigned kept_channels(const struct kept *kept)
 
 unsigned session_shown_channel(const struct session *session)
 {
-    const uint64_t wanted = session->now.outlook.slices.channel;
-    return session->now.kept.has_range || wanted > kept_channels(&session->now.kept)
-               ? 0
-               : (unsigned)wanted;
+    const uint32_t wanted = session->now.outlook.slices.channel;
+    return session->now.kept.has_range || wanted > kept_channels(&session->now.kept) ? 0 : wanted;
 }
 
 void channel_write(struct buf *out, const struct session *session)

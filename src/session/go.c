@@ -306,12 +306,14 @@ enum err session_go(struct session *session, const struct state *state, const st
     if (err)
         return err;
     set_valid_markers(session, &state->lists.markers);
-    if (session->has_scene && parts & MADE_CHANNELS)
+    const bool swaps = session->has_scene && parts & MADE_CHANNELS &&
+                       (session->scene->channels || kept_channels(&state->kept));
+    if (swaps)
         session_take_channels_out(session);
     state_assign(&session->now, state);
     if (!session->has_scene)
         return OK;
-    if (parts & MADE_CHANNELS)
+    if (swaps)
         session_put_channels_in(session);
     if (aims && session->pictures)
         session->inside->follower->take_camera(session->pictures, &camera);

@@ -239,8 +239,6 @@ static const struct state_field {
     FIELD(outlook.slices.has_window, MADE_BY_WINDOW),
     FIELD(outlook.slices.window, MADE_BY_WINDOW),
     FIELD(outlook.slices.channel, MADE_CHANNELS),
-    FIELD(outlook.slices.other_has_window, 0),
-    FIELD(outlook.slices.other_window, 0),
 };
 
 _Static_assert(offsetof(struct state, kept) == 0, "a struct kept is the beginning of a state");

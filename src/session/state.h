@@ -163,11 +163,10 @@ struct slice_settings {
                        zoom is not 0 */
     uint32_t has_middle; /* 0 or 1: magnified pictures are centred at */
     uint32_t middle[3];  /* this voxel; otherwise at the cross-hair */
-    uint32_t has_window; /* 0 or 1; otherwise the window follows from the scene: */
-    struct decimal window[2]; /* real values, black and white */
-    uint64_t channel; /* the channel shown, 0 for the first; windows of the others, as above: */
-    uint32_t other_has_window[CHANNELS_MOST + 1];
-    struct decimal other_window[CHANNELS_MOST + 1][2];
+    uint32_t channel; /* the channel shown, 0 for the first (session_shown_channel); by channel: */
+    uint32_t
+        has_window[CHANNELS_MOST + 1]; /* 0 or 1; otherwise the window follows from the scene */
+    struct decimal window[CHANNELS_MOST + 1][2]; /* real values, black and white */
     enum slice_overlay overlay;
     uint32_t crosses, marks, words; /* 0 or 1: the cross-hair; seeds and eliminators; letters
                                        and bars */
