@@ -65,7 +65,7 @@ finish relax label=2 reach=5
 save labels third.nii finished=yes
 END
 expect 0 "$iftty" run settle --journal settle.iftty
-out_has "finish    relax sweeps=9 reach=2, relax sweeps=60 reach=5 label=2"
+out_has "finish    relax sweeps=9 reach=2, relax sweeps=20 reach=5 label=2"
 for threads in 1 2 3; do IFTTY_THREADS=$threads expect 0 "$iftty" verify settle.iftty; done
 expect_err "radius: \`finish relax\` has none" 2 "$iftty" -c 'open scene.nii; finish relax radius=2'
 expect 2 "$iftty" -c 'open scene.nii; finish relax sweeps=0'

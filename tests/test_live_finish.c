@@ -63,9 +63,9 @@ BEGUN_STORY(finished_says_what_pictures_show, begin_with_objects)
 {
     MUST_MENTION(interp, "finished on", "the finish has no step yet; `finish relax` adds one");
     const uint64_t plain = picture_of(interp, "render");
-    MUST_ANSWER(interp, "finish relax", "finish    relax sweeps=60 reach=2; pictures show it\n");
+    MUST_ANSWER(interp, "finish relax", "finish    relax sweeps=20 reach=2; pictures show it\n");
     CHECK(picture_of(interp, "render") != plain);
-    MUST_MENTION(interp, "info", "finish    relax sweeps=60 reach=2; pictures show it\n");
+    MUST_MENTION(interp, "info", "finish    relax sweeps=20 reach=2; pictures show it\n");
     MUST_MENTION(interp, "save labels x.nii",
                  "`finished=yes` writes the labels shown in pictures\n");
     must(interp, "save labels x.nii finished=yes replace=yes");

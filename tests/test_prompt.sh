@@ -136,7 +136,7 @@ same "$(grep -c '^= ' s-1.iftty)" $((records + 1))
 
 begin "a new user's labels are finished, and saved files and counts report it"
 enter_anew "IFTTY_CONFIG= $iftty s.nii --journal new.iftty"
-see '^finish    relax sweeps=60 reach=2; pictures show it$'
+see '^finish    relax sweeps=20 reach=2; pictures show it$'
 entering "seed 6,10,8 1 radius=2"
 see '^[0-9]+ voxels changed before finishing, label 1: [+][0-9.]+ m[lm]3?, [0-9.]+ m?s$'
 enter "seed 20,10,8 0 radius=2"

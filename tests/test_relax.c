@@ -342,6 +342,8 @@ STORY(fields_that_are_kept_are_those_that_would_be_made)
             edit(&v, scene);
             if (edits % 3 == 2)
                 stop(&list, scene, &kept);
+            if (edits == 3 || edits == 9)
+                list.step[0].label = edits == 3 ? 1 : FINISH_ALL_LABELS;
             if (edits == 5)
                 list.step[0].argument++;
             if (edits == 7)
@@ -420,6 +422,54 @@ static void values_at(int32_t *u, const struct finish_work *work, const struct r
     }
 }
 
+/* Results of the step where fields are updated around edits. */
+STORY(labels_around_an_edit_are_those_of_a_whole_step)
+{
+    size_t updated = 0;
+    for (int round = 0; round < (int)check_scaled(24) && check_failures == 0; round++) {
+        uint32_t size[3];
+        seed = (uint64_t)round + 1700;
+        OWNED(scene_drop) struct scene *scene = plate_of(size);
+        const size_t cells = scene->grid.cells;
+        const struct finish_box all = {{0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
+        const struct finish_list list = {
+            1, {{FINISH_RELAX, FINISH_ALL_LABELS, 1 + below(20), 0, 1 + below(4)}}};
+        struct relax_kept kept = {.cells = cells,
+                                  .most = 1 << 28, /* enough for all checkpoints */
+                                  .label = mem_pages(cells),
+                                  .stays = mem_pages(cells),
+                                  .result = mem_pages(cells),
+                                  .stale = all,
+                                  .sweeps = list.step[0].argument,
+                                  .reach = list.step[0].reach};
+        OWNED(mem_release) uint8_t *label = mem_new(cells);
+        for (int of = 0; of < 256; of++)
+            kept.changed[of] = finish_box_none();
+        for (size_t i = 0; i < cells; i++)
+            label[i] = scene->cell[i].label;
+        for (int edits = 0; edits < 6; edits++) {
+            if (edits % 3 == 2)
+                stop(&list, scene, &kept);
+            const struct relax_stored *before = kept.field[1];
+            agree_again(&list, scene, &kept, round);
+            updated += before && before == kept.field[1];
+            change_plate(scene, label);
+            for (size_t i = 0; i < cells; i++)
+                scene->cell[i].label = label[i];
+        }
+        /* Labels vanish, whose fields were stored or had no room. */
+        kept.most = round % 2 ? 0 : kept.most;
+        for (uint8_t vanishes = 1; vanishes < 3; vanishes++) {
+            for (size_t i = 0; i < cells; i++)
+                if (scene->cell[i].label == vanishes)
+                    scene->cell[i].label = i % size[0] < 9 && vanishes == 1 ? 2 : 0;
+            agree_again(&list, scene, &kept, round);
+        }
+        relax_kept_release(&kept);
+    }
+    CHECK(updated > 20);
+}
+
 /* All checkpoints of a field that is updated, and sometimes stopped and continued, are those of a
  * field computed from its beginning. */
 STORY(a_field_that_is_updated_is_the_one_that_would_be_made)
@@ -436,7 +486,7 @@ STORY(a_field_that_is_updated_is_the_one_that_would_be_made)
         struct finish_work work = {.scene = scene, .label = mem_pages(cells)};
         OWNED(relax_field_release) struct relax_field field = {0}, part = {0};
         struct relax_stored *stored = NULL;
-        struct finish_box changed = finish_box_none();
+        struct finish_box changed = finish_box_none(), stale = changed;
         for (size_t i = 0; i < cells; i++)
             work.label[i] = scene->cell[i].label;
         for (int edits = 0; edits < 6; edits++) {
@@ -445,7 +495,8 @@ STORY(a_field_that_is_updated_is_the_one_that_would_be_made)
             const bool stops = below(3) == 0;
             work.team = team_for(round);
             scene->watch = stops ? &watch : NULL;
-            if (stored && !relax_field_update(&part, &work, 1, stored, reach, sweeps, &changed)) {
+            if (stored &&
+                !relax_field_update(&part, &work, 1, stored, reach, sweeps, &changed, &stale)) {
                 mem_pages_free(stored, stored->bytes);
                 stored = NULL;
             }
@@ -561,7 +612,7 @@ STORY(the_doubt_of_slices_is_that_of_a_plain_model)
         seed = (uint64_t)round + 9000;
         fill(&v);
         const unsigned of = below(2) ? FINISH_ALL_LABELS : 1 + below(LABELS - 1);
-        const uint32_t sweeps = round % 3 ? 1 + below(20) : 60;
+        const uint32_t sweeps = round % 3 ? 1 + below(20) : finish_table[FINISH_RELAX].usual;
         OWNED(scene_drop) struct scene *scene = scene_of(&v);
         if (below(2))
             list.step[list.count++] =

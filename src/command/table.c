@@ -685,7 +685,7 @@ static const struct command command_table[] = {
      "none: remove all steps.\n"
      "radius: in voxels, or in millimetres as in 2.5mm; the default is 1 voxel.\n"
      "voxels: the size of the smallest piece that components keeps; required there.\n"
-     "sweeps: the number of iterations of relax; the default is 60.\n"
+     "sweeps: the number of iterations of relax; the default is 20.\n"
      "reach: the largest distance by which relax moves a border, in voxels; the default is 2. "
      "Larger values, up to 16, correct coarser errors, but can remove an object of low contrast.\n"
      "label: apply the step only to this label.",

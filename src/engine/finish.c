@@ -161,7 +161,7 @@ static void find_part(void *context, unsigned worker)
         const uint8_t *row = work->label + w.row.first;
         for (uint32_t x = 0, end; x < length; x = end) {
             for (end = x + 1; end < length && row[end] == row[x];)
-                end++;
+                end += end + 8 <= length && memcmp(row + end - 1, row + end, 8) == 0 ? 8 : 1;
             const struct finish_box run = {{x, w.y, w.z}, {end - 1, w.y, w.z}};
             finish_box_include(&boxing->part[worker][row[x]], &run);
         }

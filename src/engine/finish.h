@@ -82,7 +82,7 @@ enum finish_inputs { FINISH_USES_LABELS, FINISH_USES_SEEDS };
 /* The steps, one row each: KIND, name, function, argument, its default (0: required), inputs, and a
  * line of help. A row names a function of one file: finish_FUNCTION. */
 #define FINISH_LIST(FIRST, NEXT)                                                                   \
-    FIRST(RELAX, relax, relax, SWEEPS, 60, SEEDS,                                                  \
+    FIRST(RELAX, relax, relax, SWEEPS, 20, SEEDS,                                                  \
           "relax: move the borders of labels to intensity edges.\n")                               \
     NEXT(MAJORITY, majority, majority, RADIUS, 1, LABELS,                                          \
          "majority: assign to each voxel the most frequent label within a cube of `radius`.\n")    \

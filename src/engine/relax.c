@@ -11,7 +11,7 @@ enum { MATTERS = CELL_SEED | CELL_OUTSIDE };
 
 size_t relax_kept_memory(const struct relax_kept *kept)
 {
-    return kept->bytes + 2 * kept->cells;
+    return kept->bytes + 3 * kept->cells;
 }
 
 static void forget(struct relax_kept *kept, unsigned label)
@@ -30,7 +30,14 @@ void relax_kept_release(struct relax_kept *kept)
         forget(kept, label);
     mem_pages_free(kept->label, kept->cells);
     mem_pages_free(kept->stays, kept->cells);
+    mem_pages_free(kept->result, kept->cells);
     *kept = (struct relax_kept){0};
+}
+
+static struct finish_box all_of(const struct scene *scene)
+{
+    const uint32_t *size = scene->grid.size;
+    return (struct finish_box){{0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
 }
 
 /* ---- comparison with the stored state ---- */
@@ -83,11 +90,23 @@ static void compare_part(void *context, unsigned worker)
     const struct comparing *c = context;
     const struct scene *scene = c->work->scene;
     struct compared *by = &c->by[worker];
+    const uint32_t some = 16; /* voxels that are compared at once */
+    const uint8_t *labels = c->work->label;
     uint8_t *label = c->kept->label, *stays = c->kept->stays;
     struct grid_walk w = scene_walk(scene, "relaxed labels", c->work->team, worker);
     while (grid_walk_next(&w))
         for (uint32_t at = w.row.first; at < w.row.end; at++) {
-            const uint8_t now = c->work->label[at], flags = scene->cell[at].flags & MATTERS;
+            const struct cell *cell = scene->cell + at;
+            if (at + some <= w.row.end && memcmp(labels + at, label + at, some) == 0) {
+                unsigned differs = 0;
+                for (uint32_t i = 0; i < some; i++)
+                    differs |= (cell[i].flags & MATTERS) ^ (unsigned)stays[at + i];
+                if (!differs) {
+                    at += some - 1;
+                    continue;
+                }
+            }
+            const uint8_t now = labels[at], flags = cell->flags & MATTERS;
             if (now == label[at] && flags == stays[at])
                 continue;
             const uint32_t x = at - w.row.first;
@@ -154,12 +173,15 @@ static void follow_labels(struct relax_kept *kept, const struct finish_work *wor
                                     .most = cells * sizeof(struct cell),
                                     .label = mem_pages(cells),
                                     .stays = mem_pages(cells),
+                                    .result = mem_pages(cells),
+                                    .stale = all_of(work->scene),
                                     .sweeps = sweeps,
                                     .reach = reach};
         for (unsigned label = 0; label < 256; label++)
             forget(kept, label);
     }
-    if (!kept->label || !kept->stays || !compare(kept, work))
+    kept->lacks = false;
+    if (!kept->label || !kept->stays || !kept->result || !compare(kept, work))
         relax_kept_release(kept);
 }
 
@@ -172,6 +194,7 @@ static void keep_field(struct relax_kept *kept, struct relax_field *field)
     kept->field[field->which] = stored;
     kept->changed[field->which] = finish_box_none(); /* it was computed for the present labels */
     kept->bytes += stored ? stored->bytes : 0;
+    kept->lacks |= !stored;
 }
 
 /* ---- one field after another, or several in parallel ---- */
@@ -203,8 +226,7 @@ static int compare_items(const void *a, const void *b)
 static enum err list_labels(struct relaxing *r, unsigned of, struct fault *fault)
 {
     const enum err err = finish_find_boxes(r->box, r->work, "relaxed labels", fault);
-    const uint32_t *size = r->work->scene->grid.size;
-    const struct finish_box all = {{0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
+    const struct finish_box all = all_of(r->work->scene);
     for (unsigned label = 1; label < 256; label++) {
         struct finish_box *box = &r->box[label];
         uint64_t voxels = 1;
@@ -267,8 +289,10 @@ static void update_field(struct relaxing *r, unsigned label)
         !(stored->is_updatable && !finish_box_is_empty(&r->box[label]) &&
           finish_box_contains(&stored->box, &r->box[label]) &&
           relax_field_update(&r->field[0], r->work, (uint8_t)label, stored, r->reach, r->sweeps,
-                             &kept->changed[label])))
+                             &kept->changed[label], &kept->stale)))
         forget(kept, label);
+    if (stored && !kept->field[label])
+        kept->stale = all_of(r->work->scene);
 }
 
 /* Pass stored fields to `see` and remove them from the list. */
@@ -278,6 +302,9 @@ static enum err see_kept(struct relaxing *r, relax_see *see, void *context, stru
     size_t left = 0;
     for (unsigned label = 1; label < 256; label++)
         update_field(r, label);
+    for (size_t i = 0; i < r->count; i++)
+        if (!r->kept->field[r->item[i].label])
+            r->kept->stale = all_of(work->scene);
     for (size_t i = 0; i < r->count; i++) {
         struct relax_field field = {0};
         const struct item item = r->item[i];
@@ -335,7 +362,8 @@ struct ranks {
     const struct finish_step *step;
     uint32_t *best; /* the greatest rank of fields */
     int32_t *sum;   /* sum of the fields; includes HAS_OWN after the field of the voxel's label */
-    struct span *part; /* [rows of the scene]: range of x in which fields have moved */
+    struct span *part;       /* [rows of the scene]: range of x in which fields have moved */
+    struct relax_kept *kept; /* with the result of all rows that are not stale, or NULL */
     const struct relax_field *field; /* current field */
 };
 
@@ -345,6 +373,15 @@ enum { HAS_OWN = 1 << 30 };
 static uint32_t rank_of(int32_t value, bool is_own, uint8_t label)
 {
     return (uint32_t)value << 9 | (uint32_t)is_own << 8 | (255u - label);
+}
+
+/* True if the result of a row is not known. */
+static bool is_stale(const struct ranks *r, uint32_t y, uint32_t z)
+{
+    const struct relax_kept *kept = r->kept;
+    return !kept || !kept->cells ||
+           (y >= kept->stale.first[1] && y <= kept->stale.last[1] && z >= kept->stale.first[2] &&
+            z <= kept->stale.last[2]);
 }
 
 static void rank_voxels(const struct ranks *r, uint32_t first, const struct relax_part *part)
@@ -369,6 +406,8 @@ static void rank_part(void *context, unsigned worker)
     for (uint32_t z = (uint32_t)planes.first; z < planes.end; z++)
         for (uint32_t y = 0; y < f->size[1] && task_advance(&task, f->size[0]); y++) {
             const uint32_t *at = f->box.first;
+            if (!is_stale(r, at[1] + y, at[2] + z))
+                continue;
             const uint32_t first = grid_cell(grid, at[0], at[1] + y, at[2] + z);
             struct span *row = &r->part[(size_t)(at[2] + z) * grid->size[1] + at[1] + y];
             for (struct relax_part part = {0}; relax_field_next(f, y, z, &part);) {
@@ -407,6 +446,10 @@ static void choose_part(void *context, unsigned worker)
     struct grid_walk w = scene_walk(scene, "relaxed labels", r->work->team, worker);
     while (grid_walk_next(&w)) {
         const struct span *part = &r->part[(size_t)w.z * scene->grid.size[1] + w.y];
+        uint8_t *const result = r->kept && r->kept->cells ? r->kept->result + w.row.first : NULL;
+        uint8_t *const row = r->work->label + w.row.first;
+        if (!is_stale(r, w.y, w.z))
+            memcpy(row, result, scene->grid.size[0]);
         for (uint32_t x = part->first; x < part->end; x++) {
             const uint32_t cell = w.row.first + x;
             uint8_t *label = &r->work->label[cell];
@@ -414,6 +457,8 @@ static void choose_part(void *context, unsigned worker)
             if (finish_is_for(r->step, *label) || finish_is_for(r->step, wins))
                 *label = wins;
         }
+        if (result)
+            memcpy(result, row, scene->grid.size[0]);
     }
 }
 
@@ -421,7 +466,8 @@ enum err finish_relax(struct finish_work *work, const struct finish_step *step, 
 {
     const struct grid *grid = &work->scene->grid;
     const size_t cells = grid->cells, rows = (size_t)grid->size[1] * grid->size[2];
-    struct ranks r = {.work = work, .step = step};
+    const bool is_all = step->label == FINISH_ALL_LABELS;
+    struct ranks r = {.work = work, .step = step, .kept = is_all ? work->kept : NULL};
     r.best = mem_pages(cells * sizeof *r.best);
     r.sum = mem_pages(cells * sizeof *r.sum);
     r.part = mem_pages(rows * sizeof *r.part);
@@ -433,6 +479,8 @@ enum err finish_relax(struct finish_work *work, const struct finish_step *step, 
         team_run(work->team, choose_part, &r);
         err = watch_fault(work->scene->watch, fault);
     }
+    if (work->kept && work->kept->cells && !err)
+        work->kept->stale = is_all && !work->kept->lacks ? finish_box_none() : all_of(work->scene);
     mem_pages_free(r.best, cells * sizeof *r.best);
     mem_pages_free(r.sum, cells * sizeof *r.sum);
     mem_pages_free(r.part, rows * sizeof *r.part);

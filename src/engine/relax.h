@@ -35,7 +35,7 @@
  * Sets of voxels, and of chunks, are bits of 64-bit words.
  */
 
-enum { RELAX_ONE = 1 << 20, RELAX_CHUNK = 16, RELAX_CHECKPOINT = 16 };
+enum { RELAX_ONE = 1 << 20, RELAX_CHUNK = 16, RELAX_CHECKPOINT = 8 };
 
 /* {0} has no memory yet; its memory is reused for one field after another. */
 struct relax_field {
@@ -120,12 +120,12 @@ void relax_field_read(struct relax_field *field, const struct finish_work *work,
 
 /* Update a stored field that is updatable and whose box still contains the label's. `changed`
  * contains the voxels with another label than before, former and new seeds, and voxels that entered
- * or left the region of interest. It is empty afterwards; if the scene's watch stops the update, it
- * is the box to continue with. False if the field has to be recomputed. `part` is undefined
- * afterwards. */
+ * or left the region of interest. It is empty afterwards, and `stale` includes the voxels whose
+ * value has changed; if the scene's watch stops the update, it is the box to continue with. False
+ * if the field has to be recomputed. `part` is undefined afterwards. */
 bool relax_field_update(struct relax_field *part, const struct finish_work *work, uint8_t which,
                         struct relax_stored *stored, uint32_t reach, uint32_t sweeps,
-                        struct finish_box *changed);
+                        struct finish_box *changed, struct finish_box *stale);
 
 /* True if a voxel of the scene was never visited: its value is the initial one, and would be if it
  * were a seed. */
@@ -134,7 +134,10 @@ bool relax_field_is_initial(const struct relax_field *field, uint32_t x, uint32_
 /* {0} is empty. Belongs to one scene, whose intensities do not change. */
 struct relax_kept {
     size_t cells, bytes, most; /* bytes used by fields, and their limit */
-    uint8_t *label, *stays;    /* [cells]: labels of the fields; relevant flags of cells */
+    uint8_t *label, *stays;    /* [cells]: labels of the fields; relevant flags of cells, */
+    uint8_t *result;           /* and the result for all labels, but for rows of `stale` */
+    struct finish_box stale;
+    bool lacks; /* there was no room for the field of a label: all rows stay stale */
     uint32_t sweeps, reach;
     struct relax_stored *field[256]; /* NULL: not stored */
     struct finish_box changed[256];  /* changed voxels that stored fields do not follow yet */

@@ -1005,9 +1005,21 @@ static uint64_t voxels_in(const struct finish_box *box)
     return voxels;
 }
 
+/* The box, `by` larger on each side and extended to chunks along x. */
+static struct finish_box whole_chunks(const struct finish_box *box, uint32_t by,
+                                      const struct finish_box *all)
+{
+    struct finish_box wide = finish_box_widen(box, by + RELAX_CHUNK, all);
+    const struct finish_box near = finish_box_widen(box, by, all);
+    for (int a = 1; a < 3; a++)
+        wide.first[a] = near.first[a], wide.last[a] = near.last[a];
+    wide.first[0] -= (wide.first[0] - all->first[0]) % RELAX_CHUNK;
+    return wide;
+}
+
 bool relax_field_update(struct relax_field *part, const struct finish_work *work, uint8_t which,
                         struct relax_stored *stored, uint32_t reach, uint32_t sweeps,
-                        struct finish_box *changed)
+                        struct finish_box *changed, struct finish_box *stale)
 {
     const struct finish_box *const all = &stored->box;
     const struct watch *watch = work->scene->watch;
@@ -1017,13 +1029,12 @@ bool relax_field_update(struct relax_field *part, const struct finish_work *work
     relax_field_read(&u.whole, work, which, stored);
     part->box = finish_box_none();
     /* Voxels around the differences with a valid band. */
-    const uint32_t around = 2 * RELAX_CHECKPOINT + RELAX_CHUNK + reach + 1;
+    const uint32_t around = 2 * RELAX_CHECKPOINT + reach + 1;
     for (uint32_t k = 0; k < stored->checkpoints; k++) {
-        const struct finish_box sees = finish_box_widen(&u.differs, around, all);
+        const struct finish_box sees = whole_chunks(&u.differs, around, all);
         if (!finish_box_contains(&part->box, &sees)) {
             /* Its weights are computed again: leave room for more differences. */
-            struct finish_box box = finish_box_widen(&sees, RELAX_CHUNK, all);
-            box.first[0] -= (box.first[0] - all->first[0]) % RELAX_CHUNK;
+            const struct finish_box box = whole_chunks(&sees, RELAX_CHECKPOINT, all);
             if (2 * voxels_in(&box) > voxels_in(all))
                 return false;
             if (relax_field_begin(part, work, which, &box, reach, sweeps, NULL))
@@ -1049,6 +1060,7 @@ bool relax_field_update(struct relax_field *part, const struct finish_work *work
         u.differs = defined;
         visit_twins(&u, &differed, RELAX_CHECKPOINT, store_twin);
     }
+    finish_box_include(stale, &u.differs);
     *changed = finish_box_none();
     return true;
 }

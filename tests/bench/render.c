@@ -476,7 +476,7 @@ enum err run_render(const struct options *o, struct fault *fault)
     time_slices(session, table, "axial slice", SLICE_KIND_AXIAL);
     time_finish(session, table, "finish: majority radius 1", FINISH_MAJORITY, 1);
     time_finish(session, table, "finish: majority radius 3", FINISH_MAJORITY, 3);
-    time_finish(session, table, "finish: relax, 60 sweeps", FINISH_RELAX, 60);
+    time_finish(session, table, "finish: relax, 20 sweeps", FINISH_RELAX, 20);
     time_finish(session, table, "finish: largest", FINISH_LARGEST, 0);
     time_finish(session, table, "finish: open radius 3", FINISH_OPEN, 3);
     time_stats(session, table);
