@@ -59,6 +59,11 @@ GEOM_STORY(a_seed_that_floods_an_object_says_so)
     CHECK(!is_surprised("seed 50,10,15 1 radius=7")); /* which is large itself */
     must(&interp, "undo");
     CHECK(!is_surprised("seed 20,20,10 1")); /* takes nothing */
+    must(&interp, "undo");
+    CHECK(is_surprised("seed 25,25,12 2")); /* also the first of its label, a fifth of label 1 */
+    CHECK_HAS(buf_text(&reply.text), "\nthis `seed` took 6.38 ml of label 1 through ");
+    must(&interp, "undo");
+    CHECK(!is_surprised("seed 12,12,12 2")); /* a small object */
     CHECK(!is_surprised("weight difference"));
 }
 

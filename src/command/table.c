@@ -461,9 +461,9 @@ static const struct command command_table[] = {
      "and reaches back to `open`, also into earlier sessions. It is recorded. `redo` reverts it, "
      "and `history` lists the commands.\n"
      "iftty warns after an edit of n seeds if a label loses more than 500 voxels, and more than n "
-     "% of the former volume of the label that gains most. The warning names the edge through "
-     "which that label grew. There is no warning if the gained voxels are as bright as the former "
-     "ones, and each seed gains less than 3/2 of the mean number of voxels of a former seed.",
+     "% of the former volume of the label that gains most or, if that is 0, 100 n and a tenth of "
+     "its own, and names the edge that this grew through. It does not warn if the gained voxels "
+     "are as bright as the former ones, and each seed gains less than 3/2 of the former mean.",
      "undo"},
     {COMMAND("redo", act_redo, GROUP_SEEDS, R | S | E),
      {MAY("COUNT", VALUE_NUMBER, .least = 1, .most = 1000000)},

@@ -63,7 +63,7 @@ void label_loss_write(struct buf *out, const struct session *session,
  * surprise itself costs more, for the path to it (engine/way.h).
  */
 
-enum { SURPRISE_TIMES = 100, SURPRISE_VOXELS = 500, SURPRISE_SHARE = 4 };
+enum { SURPRISE_TIMES = 100, SURPRISE_VOXELS = 500, SURPRISE_SHARE = 10 };
 
 struct surprise {
     uint8_t label;       /* that lost most voxels, */
