@@ -292,7 +292,7 @@ STORY(user_keys_override_the_table)
     CHECK_TEXT(type("7"), "seed 1,2,3 7 radius=6\n"); /* no longer a digit of a count */
     pilot_keys_page(&page, &(struct pilot_keys_wish){&config.setup, false, 60, NULL, NULL,
                                                      NULL}); /* one entry on a line */
-    CHECK_HAS(buf_text(&page), "  s Ctrl-R . gu    undo, redo, again; list\n");
+    CHECK_HAS(buf_text(&page), "  s Ctrl-R . gu    undo, redo, again; log\n");
     CHECK_HAS(buf_text(&page), "  7 ,0-9           a seed of 0-9\n");
     CHECK_HAS(buf_text(&page), "  G                first, last, 90G\n"); /* without gg */
     buf_clear(&page);
@@ -352,7 +352,7 @@ STORY(any_text_gives_a_valid_setup)
                         &(struct pilot_keys_wish){&config.setup, false, 80, NULL, NULL, NULL});
         CHECK(!page.failed && !config.words.failed);
         pilot_state_init(&state, &config.setup);
-        pilot_keys_hint(&state, &facts, &page);
+        pilot_keys_hint(&state, &facts, "", &page);
     }
     config_release(&config);
     buf_release(&line);

@@ -66,6 +66,10 @@ screen_text | head -n 20 | grep -q "$half_block" || fail "there is no picture:" 
 begin "an empty session shows how to begin"
 see '^nothing to show yet: i plants a seed here'
 
+begin "keys are bold in the row of keys"
+tmux_here capture-pane -e -p -t prompt | grep -q "$(printf '\033')\[1mi$(printf '\033')\[0m" ||
+    fail "$(tmux_here capture-pane -e -p -t prompt | tail -n 1)"
+
 begin "the brush has a radius, which - makes smaller"
 typing "3-" '^axial at 12,10,8  brush 1  no label  intensity '
 
@@ -209,7 +213,7 @@ type_letters ":cont"
 pressing Tab '^context  ' '^overlay contour  o in the pilot: ' '^:cont$'
 pressing Escape '^i seed ' # the row above stays while a line is edited
 type_letters ":pen"
-pressing Tab "^v  *in the pilot, pen: pen draws; stroke's end$" '^:pen$'
+pressing Tab "^v  *in the pilot, pen: pen; end of a stroke$" '^:pen$'
 pressing Escape '^i seed ' # the row above stays while a line is edited
 type_letters ":und" # what begins so is completed as ever
 pressing Tab '^:undo \[COUNT\]$'
@@ -534,8 +538,8 @@ type_letters "see"
 press C-u
 pressing C-o '^axial'
 typing "v" '^PEN DOWN'
-! tmux_here capture-pane -e -p -t prompt | grep -q "$(printf '\033')\[[0-9;]*[34][0-8][;m]" ||
-    fail "there are colours"
+! tmux_here capture-pane -e -p -t prompt |
+    grep -q "$(printf '\033')\[\(1m\|[0-9;]*[34][0-8][;m]\)" || fail "there are colours"
 typing "q" '^s>$'
 entering "quit" '^journal: '
 sane

@@ -503,10 +503,10 @@ static enum err draw(struct pilot_interpreter *pilot, const struct pilot_wish *w
     now.heat &= !pilot->onlooker; /* margins of an unfinished forest are wrong */
     buf_add_text(line, "nothing to show yet");
     if (!pilot->watches) {
-        setup_say(line + 1, setup, "{plant} plants a seed of the label");
-        setup_say(line + 2, setup, "{plant-label:0} one of the background");
+        setup_say(line + 1, setup, "", "{plant} plants a seed of the label");
+        setup_say(line + 2, setup, "", "{plant-label:0} one of the background");
     }
-    setup_say(line + 3, setup, "{keys} shows the keys");
+    setup_say(line + 3, setup, "", "{keys} shows the keys");
     const enum err err = panes_draw(&pilot->panes, session_of(pilot), &now, line, fault);
     for (int i = 0; i < PANES_LINES; i++)
         buf_release(line + i);

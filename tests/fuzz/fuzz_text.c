@@ -53,7 +53,7 @@ void fuzz_config(const uint8_t *bytes, size_t length)
     pilot_keys_page(&page, &(struct pilot_keys_wish){setup, false, 80, NULL, NULL, NULL});
     for (enum pilot_mode mode = PILOT_MOVING; mode <= PILOT_WINDOWING; mode++) {
         state.mode = mode;
-        pilot_keys_hint(&state, &facts, &page);
+        pilot_keys_hint(&state, &facts, "", &page);
     }
     check_lines(&page);
 }

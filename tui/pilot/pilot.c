@@ -153,23 +153,38 @@ static bool ends_item(const char *text, size_t at)
     return strchr(";,", text[at]) || strncmp(text + at, "  ", 2) == 0;
 }
 
+/* The sequence before a key in a row of keys. */
+static const char *bold_of(const struct pilot *p)
+{
+    return p->facts->colours == COLOURS_NONE ? "" : "\033[1m";
+}
+
+/* Return the cells of a text with sequences. */
+static size_t shown_width(const char *text, size_t length)
+{
+    size_t width = 0, cells;
+    for (size_t i = 0; i < length; width += cells)
+        i += cells_next(text + i, length - i, &cells);
+    return width;
+}
+
 /* Add the hints: whole items from the beginning as far as they fit, and always the last one, how to
  * leave. */
 static void add_hint(struct buf *out, const struct pilot *p, const struct pilot_facts *facts,
                      unsigned columns)
 {
     OWNED(buf_release) struct buf hint = {0};
-    pilot_keys_hint(p->state, facts, &hint);
+    pilot_keys_hint(p->state, facts, bold_of(p), &hint);
     const char *text = buf_text(&hint);
     size_t last = hint.length, fits = 0;
     while (last > 0 && !ends_item(text, last - 1))
         last--;
     last += strspn(text + last, " ");
-    const size_t room = 2 + cells_width(text + last, hint.length - last);
+    const size_t room = 2 + shown_width(text + last, hint.length - last);
     for (size_t i = 1; i < last; i++)
-        if (ends_item(text, i) && cells_width(text, i) + room <= columns)
+        if (ends_item(text, i) && shown_width(text, i) + room <= columns)
             fits = i;
-    if (cells_width(text, hint.length) <= columns)
+    if (shown_width(text, hint.length) <= columns)
         last = fits = 0;
     buf_add(out, text, fits);
     buf_printf(out, "%s%s", fits ? "  " : "", text + last);
@@ -759,6 +774,7 @@ static enum err draw_labels(struct pilot *p, const struct pilot_label *label, si
 {
     const struct term_size size = term_size();
     const size_t room = size.rows - 1, first = at < room ? 0 : at + 1 - room;
+    const char *bold = bold_of(p), *end = *bold ? "\033[m" : "";
     OWNED(buf_release) struct buf out = {0}, row = {0};
     buf_add_text(&out, blank_of(p));
     for (size_t i = first; i < count && i < first + room; i++) {
@@ -766,8 +782,10 @@ static enum err draw_labels(struct pilot *p, const struct pilot_label *label, si
         add_label_row(&row, p, label + i, i == at);
         add_row(&out, (unsigned)(i - first), size.columns, buf_text(&row), "");
     }
-    add_row(&out, size.rows - 1, size.columns,
-            "Enter go there  b brush  e hide, show  r rename  q back", "");
+    buf_clear(&row);
+    buf_printf(&row, "%sEnter%s go there  %sb%s brush  %se%s hide, show  %sr%s rename  %sq%s back",
+               bold, end, bold, end, bold, end, bold, end, bold, end);
+    add_row(&out, size.rows - 1, size.columns, buf_text(&row), "");
     out.failed |= row.failed;
     return term_write_text(&out, "a list of labels", fault);
 }

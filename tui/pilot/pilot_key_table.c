@@ -53,11 +53,10 @@ const struct pilot_row pilot_table[] = {
      TEXT("Show the next step: first its gesture, then its effect. 5 Space goes 5 steps.")},
     {KEY("step-back", "Backspace", WATCHING, COUNTS), DO(pilot_step, -1), JOINS, HINT("back")},
     {KEY("first-step", "gg", WATCHING, COUNTS), DO(pilot_to_step, -1),
-     PAGE("gg G", "first, last, 20G"),
-     TEXT("Go to the beginning, to the end with its verdict, or to step 20.")},
+     PAGE("gg G", "first, last, 20G")},
     {KEY("last-step", "G", WATCHING, COUNTS), DO(pilot_to_step, 1), JOINS, HINT("end")},
     {KEY("comments", "c", WATCHING, PILOT_HAS_PAGES), .command = "step comments\n",
-     HELP("its comments"), HINT("comments"), TEXT("Show all comments of the step.")},
+     HELP("its comments"), HINT("comments")},
     {KEY("left", "h", ARROWS, STEPS), ALSO("Left"), DO(pilot_move, PILOT_LEFT),
      PAGE("h j k l arrows", "move the cross-hair"),
      TEXT("Move the cross-hair in the active slice; in the window ({window}), width and level.")},
@@ -65,8 +64,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("up", "k", ARROWS, STEPS), ALSO("Up"), DO(pilot_move, PILOT_UP), JOINS},
     {KEY("right", "l", ARROWS, STEPS), ALSO("Right"), DO(pilot_move, PILOT_RIGHT), JOINS},
     {KEY("far-left", "H", ARROWS, STEPS), ALSO("Ctrl-Left"), DO(pilot_move, PILOT_FAR + PILOT_LEFT),
-     PAGE("H L Ctrl-arrows", "by ten voxels"),
-     TEXT("Move by ten voxels, or by ten times the count: 3{far-right} moves 30.")},
+     PAGE("H L Ctrl-arrows", "by ten voxels")},
     {KEY("far-down", "Ctrl-Down", ARROWS, STEPS), DO(pilot_move, PILOT_FAR + PILOT_DOWN), JOINS},
     {KEY("far-up", "Ctrl-Up", ARROWS, STEPS), DO(pilot_move, PILOT_FAR + PILOT_UP), JOINS},
     {KEY("far-right", "L", ARROWS, STEPS), ALSO("Ctrl-Right"),
@@ -77,27 +75,21 @@ const struct pilot_row pilot_table[] = {
     {KEY("slice-on", "K", LOOKS, COUNTS | MOVES), ALSO("Page-up"), DO(pilot_change_slice, 1),
      JOINS},
     {KEY("first-slice", "gg", MOVING, COUNTS | MOVES), DO(pilot_to_slice, -1),
-     HELP("first, last, 90G"),
-     TEXT("Go to the first or last slice, or to the one of the count: 90G.")},
+     HELP("first, last, 90G")},
     {KEY("last-slice", "G", MOVING, COUNTS | MOVES), DO(pilot_to_slice, 1), JOINS},
-    {.keys = "1-9",
-     HELP("a count: 25l moves 25"),
-     TEXT("Repeat the next key, or name a label or a slice for it: 25l, 12b, 90G.")},
+    {.keys = "1-9", HELP("a count: 25l moves 25")},
     {KEY("next-plane", "Tab", MOVING | WATCHING, MOVES), DO(pilot_next_pane, 1),
-     HELP("the next plane"), TEXT("Activate the next slice, which then has the frame.")},
+     HELP("the next plane")},
     {KEY("previous-plane", "Shift-Tab", MOVING | WATCHING, MOVES), DO(pilot_next_pane, -1)},
-    {KEY("next-seed", "n", MOVING, COUNTS), DO(pilot_next_seed, 1), HELP("the label's seeds"),
-     TEXT("Go to the next or previous seed of the brush's label.")},
+    {KEY("next-seed", "n", MOVING, COUNTS), DO(pilot_next_seed, 1), HELP("the label's seeds")},
     {KEY("previous-seed", "N", MOVING, COUNTS), DO(pilot_next_seed, -1), JOINS},
-    {KEY("centre", "gc", MOVING, 0), DO(pilot_next_seed, 0), HELP("the label's centre"),
-     TEXT("Go to the voxel nearest to the centre of the brush's label.")},
+    {KEY("centre", "gc", MOVING, 0), DO(pilot_next_seed, 0), HELP("the label's centre")},
     {KEY("go-back", "''", MOVING, 0), DO(pilot_go_back, 0)},
     {KEY("mark", "ma-z", MOVING, 0), DO(pilot_set_mark, 0),
      PAGE("ma-z 'a-z ''", "mark, go there, back"),
      TEXT("Mark this voxel by a letter; ' and the letter go there, {go-back} back from a jump.")},
     {KEY("go-to-mark", "'a-z", MOVING, 0), DO(pilot_go_to_mark, 0), JOINS},
-    {KEY("measure", "Da-z", BOTH, 0), DO(pilot_measure, 0), HELP("distance of a mark"),
-     TEXT("Print the distance of a marked voxel from the cross-hair.")},
+    {KEY("measure", "Da-z", BOTH, 0), DO(pilot_measure, 0), HELP("distance of a mark")},
     {.keys = "mouse", HELP("there; right: S")},
     {KEY("next-hint", ")", BOTH, COUNTS), DO(pilot_go_to_hint, 1),
      PAGE(") ( gh P", "hints, heat; why"),
@@ -109,32 +101,29 @@ const struct pilot_row pilot_table[] = {
     {KEY("plant", "i Enter", BOTH, CHANGES), DO(pilot_plant, 0), HELP("a seed of the label"),
      HINT("seed"),
      TEXT("Plant a ball of the brush's label here; after {stroke}, a stroke that ends here.")},
-    {KEY("plant-picked", "0-9", PICKING, CHANGES), DO(pilot_plant, 1), HINT("a seed there"),
-     TEXT("Plant a seed of this label in the voxel under the cursor.")},
+    {KEY("plant-picked", "0-9", PICKING, CHANGES), DO(pilot_plant, 1), HINT("a seed there")},
     {KEY("plant-label", "s0-9", BOTH, CHANGES), DO(pilot_plant, 1), HELP("a seed of 0-9"),
      TEXT("Plant a ball of label 0-9, and choose it for the brush. 0 is the background.")},
     {KEY("next-label", "b", LOOKS, COUNTS), DO(pilot_choose_label, 1),
      HELP("label, 12b; here; list"), HINT("label"),
-     TEXT("Choose the next label, or that of the count; {label-here} that here; {labels} lists "
-          "all.")},
+     TEXT("Choose the next label, or {label-here} that here; {labels} lists all.")},
     {KEY("previous-label", "B", LOOKS, COUNTS), DO(pilot_choose_label, -1), JOINS},
     {KEY("label-here", "*", MOVING | OUTLINES, 0), DO(pilot_choose_label, 0), JOINS},
     {KEY("labels", "gl", MOVING, 0), .request = PILOT_SHOW_LABELS, JOINS},
     {KEY("larger", "+", BOTH, COUNTS), ALSO("="), DO(pilot_change_radius, 1),
      HELP("radius; mm; range"),
-     TEXT("Change the radius; {millimetres} its unit; 40{range} or {type-range} limits "
-          "intensities.")},
+     TEXT(
+         "Change the radius, {millimetres} its unit; {range} or {type-range} limits intensities.")},
     {KEY("smaller", "-", BOTH, COUNTS), ALSO("_"), DO(pilot_change_radius, -1), JOINS},
     {KEY("millimetres", "M", BOTH, 0), DO(pilot_change_unit, 0), JOINS},
     {KEY("range", "t", MOVING, COUNTS), DO(pilot_take_range, 0), JOINS},
     {KEY("type-range", "T", BOTH, 0), DO(pilot_begin_range, 0), .then = PILOT_RANGING, JOINS},
-    {KEY("pen", "v", MOVING, 0), DO(pilot_lower_pen, 0), PAGE("v I", "pen draws; stroke's end"),
+    {KEY("pen", "v", MOVING, 0), DO(pilot_lower_pen, 0), PAGE("v I", "pen; end of a stroke"),
      TEXT("{pen} draws a stroke, and again plants it; {stroke} sets one end, a seed the other.")},
     {KEY("stroke", "I", MOVING, 0), DO(pilot_begin_stroke, 0), JOINS},
     {KEY("exact", "ge", MOVING | OUTLINES, 0), DO(pilot_change_growth, 0),
      HELP("exact, over, keep"),
-     TEXT("{exact}: nothing grows; {over}: only over the label here, {keep}: over others; "
-          "17{over}.")},
+     TEXT("{exact}: nothing grows; {over}: only over the label here, {keep}: over others.")},
     {KEY("over", "go", MOVING | OUTLINES, COUNTS), DO(pilot_change_limit, BRUSH_OVER), JOINS},
     {KEY("keep", "gO", MOVING | OUTLINES, COUNTS), DO(pilot_change_limit, BRUSH_KEEP), JOINS},
     {KEY("outline", "@", MOVING | OUTLINES, 0), DO(pilot_begin_outline, 0),
@@ -144,8 +133,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("next-doubt", "}", MOVING | SHAPING, COUNTS), DO(pilot_go_to_doubt, 1), JOINS},
     {KEY("previous-doubt", "{", MOVING | SHAPING, COUNTS), DO(pilot_go_to_doubt, -1), JOINS},
     {KEY("corner", "a", MOVING, 0), DO(pilot_set_corner, 0), HELP("box, area, shell"),
-     TEXT("Set a corner; then {box} box, {enclose-in-box} its faces, {polygon} area, {enclose} "
-          "shell.")},
+     TEXT("Set a corner; {box} box, {enclose-in-box} its faces, {polygon} area, {enclose} shell.")},
     {KEY("box", "d", MOVING, CHANGES | ENCLOSES), DO(pilot_plant_box, 0), JOINS},
     {KEY("polygon", "A", MOVING, ENCLOSES), DO(pilot_close_outline, 0), JOINS},
     {KEY("enclose", "S", MOVING, CHANGES | ENCLOSES), DO(pilot_plant_shell, 0), JOINS},
@@ -157,13 +145,11 @@ const struct pilot_row pilot_table[] = {
     {KEY("cut", "c", BOTH, CHANGES), .command = "plane @\n", HELP("cut here; whole"),
      TEXT("Cut the rendition at a plane through the cross-hair; {whole} removes cuts.")},
     {KEY("whole", "C", BOTH, 0), .command = "plane none\n", JOINS},
-    {KEY("hide", "e", BOTH, COUNTS | CHANGES), DO(pilot_hide, 0), HELP("hide, show; show all"),
-     TEXT("Hide or show the brush's label, or that of the count; {show-all} shows all.")},
+    {KEY("hide", "e", BOTH, COUNTS | CHANGES), DO(pilot_hide, 0), HELP("hide, show; show all")},
     {KEY("show-all", "E", BOTH, 0), DO(pilot_show_all, 0), JOINS},
-    {KEY("drop", "Escape", MOVING, 0), DO(pilot_drop_stroke, 0), HELP("no pen, no corners"),
-     TEXT("Lift the pen and drop its stroke; drop corners.")},
+    {KEY("drop", "Escape", MOVING, 0), DO(pilot_drop_stroke, 0), HELP("no pen, no corners")},
     {KEY("undo", "u", BOTH | OUTLINES, COUNTS | PILOT_SAYS_ALL), DO(pilot_undo, -1),
-     HELP("undo, redo, again; list"), HINT("undo"),
+     HELP("undo, redo, again; log"), HINT("undo"),
      TEXT("Undo or redo changes; {repeat} plants again, here; {history} lists changes.")},
     {KEY("redo", "Ctrl-R", BOTH | OUTLINES, COUNTS), DO(pilot_undo, 1), JOINS},
     {KEY("repeat", ".", BOTH, 0), DO(pilot_repeat, 0), JOINS},
@@ -178,8 +164,7 @@ const struct pilot_row pilot_table[] = {
     {KEY("turn-left", "R", LOOKS, COUNTS), ALSO("Shift-Left"), DO(pilot_turn, PILOT_LEFT), JOINS},
     {KEY("turn-up", "Shift-Up", LOOKS, COUNTS), DO(pilot_turn, PILOT_UP), JOINS},
     {KEY("turn-down", "Shift-Down", LOOKS, COUNTS), DO(pilot_turn, PILOT_DOWN), JOINS},
-    {KEY("roll", ">", BOTH, COUNTS), DO(pilot_roll, 1), PAGE("< >", "roll it"),
-     TEXT("Roll the view by 15 degrees, or by a multiple.")},
+    {KEY("roll", ">", BOTH, COUNTS), DO(pilot_roll, 1), PAGE("< >", "roll it")},
     {KEY("roll-back", "<", BOTH, COUNTS), DO(pilot_roll, -1), JOINS},
     {KEY("front", "Va", LOOKS, 0), .command = "view front\n",
      PAGE("Va p l r s i", "view from a side"),
@@ -197,12 +182,11 @@ const struct pilot_row pilot_table[] = {
      TEXT("Move a cursor in the rendition, to plant or remove in the voxels that it shows.")},
     {KEY("to-voxel", "p", PICKING, 0), DO(pilot_end_picking, 1), HINT("to its voxel")},
     {KEY("stop-correcting", "Escape", PICKING, 0), DO(pilot_end_picking, 0), HINT("ends")},
-    {KEY("magnify", "]", LOOKS, COUNTS), DO(pilot_magnify, 1), PAGE("] [ W", "larger slices; all"),
-     TEXT("Magnify slices around the cross-hair, reduce them, or show them whole.")},
+    {KEY("magnify", "]", LOOKS, COUNTS), DO(pilot_magnify, 1), PAGE("] [ W", "larger slices; all")},
     {KEY("reduce", "[", LOOKS, COUNTS), DO(pilot_magnify, -1), JOINS},
     {KEY("whole-slices", "W", LOOKS, 0), DO(pilot_magnify, 0), JOINS},
     {KEY("recentre", "gz", MOVING | WATCHING | OUTLINES, 0), DO(pilot_recentre, 0),
-     HELP("around the cross-hair"), TEXT("Centre magnified slices on the cross-hair.")},
+     HELP("centre slices here")},
     {KEY("pan-left", "Alt-Left", LOOKS, COUNTS), ALSO("Alt-h"), DO(pilot_pan, PILOT_LEFT),
      PAGE("Alt-arrows", "move them, the view"),
      TEXT("Move magnified slices; if slices are whole, move the rendition.")},
@@ -212,20 +196,15 @@ const struct pilot_row pilot_table[] = {
      JOINS},
     {KEY("overlay", "o", LOOKS, 0), DO(pilot_change_overlay, 0),
      PAGE("o y w Y", "labels; greys; channel"),
-     TEXT("Show labels as tint, contour or not; {finished} finished ones; {window} sets greys; "
-          "{next-channel} shows another channel.")},
+     TEXT("Tint or outline labels; {finished} finished; {window} greys; {next-channel} channel.")},
     {KEY("finished", "y", LOOKS, 0), DO(pilot_change_labels, 0), JOINS},
     {KEY("window", "w", LOOKS, 0), .then = PILOT_WINDOWING, JOINS},
     {KEY("next-channel", "Y", MOVING | OUTLINES, 0), .command = "show-channel next\n", JOINS},
-    {KEY("alone", "f", LOOKS, 0), DO(pilot_show_alone, 0), HELP("one pane, all four"),
-     TEXT("Show the active pane alone, or all four panes.")},
-    {KEY("command", ":", LOOKS, 0), .request = PILOT_PROMPT, HELP("a command"), HINT("command"),
-     TEXT("Type a command, as at the prompt; :q leaves the pilot.")},
-    {KEY("keys", "?", LOOKS, 0), .request = PILOT_SHOW_KEYS, HELP("these keys"), HINT("keys"),
-     TEXT("Show the keys; / finds them by a word, and a key shows its description.")},
+    {KEY("alone", "f", LOOKS, 0), DO(pilot_show_alone, 0), HELP("one pane, all four")},
+    {KEY("command", ":", LOOKS, 0), .request = PILOT_PROMPT, HELP("a command"), HINT("command")},
+    {KEY("keys", "?", LOOKS, 0), .request = PILOT_SHOW_KEYS, HELP("these keys"), HINT("keys")},
     {KEY("redraw", "Ctrl-L", LOOKS, 0), .request = PILOT_REDRAW,
-     PAGE("Ctrl-L Ctrl-Z", "redraw; suspend"),
-     TEXT("Draw again, and ask the terminal for its features; {suspend} suspends iftty.")},
+     PAGE("Ctrl-L Ctrl-Z", "redraw; suspend")},
     {KEY("suspend", "Ctrl-Z", LOOKS, 0), .request = PILOT_SUSPEND, JOINS},
     {KEY("leave", "q", LOOKS, 0), ALSO("Ctrl-D Ctrl-O"), .request = PILOT_LEAVE,
      HELP("back to the prompt"), HINT("back"), TEXT("Return to the prompt, as do Ctrl-O and :q.")},
@@ -284,7 +263,8 @@ static bool is_plain_row(const struct pilot_setup *setup, const struct pilot_row
 /* ---- hints ---- */
 
 /* Add the hints of rows for this mode only; in PILOT_MOVING also of rows of PILOT_PICKING. */
-static void add_hints(struct buf *out, const struct pilot_state *state, const char *gap)
+static void add_hints(struct buf *out, const struct pilot_state *state, const char *bold,
+                      const char *gap)
 {
     for (const struct pilot_row *row = pilot_table; row < pilot_table + pilot_rows; row++) {
         const unsigned in = !(row->in & MOVING) ? row->in
@@ -292,23 +272,23 @@ static void add_hints(struct buf *out, const struct pilot_state *state, const ch
                                                 : MOVING;
         if (!row->hint || !(in & PILOT_IN(state->mode)))
             continue;
-        buf_add_text(out, gap);
+        buf_printf(out, "%s%s", gap, bold);
         setup_add_keys(out, state->setup, row, 1);
-        buf_printf(out, " %s", row->hint);
+        buf_printf(out, "%s %s", *bold ? "\033[m" : "", row->hint);
         gap = "  ";
     }
 }
 
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
-                     struct buf *out)
+                     const char *bold, struct buf *out)
 {
     const struct pilot_setup *setup = state->setup;
     const bool moves = state->mode == PILOT_MOVING;
     const size_t corners = state->outline.count;
     if (moves && state->pen.is_down) {
-        setup_say(out, setup, "moving draws; {pen} ends the stroke, {drop} drops it");
+        setup_say(out, setup, bold, "moving draws; {pen} ends the stroke, {drop} drops it");
     } else if (moves && corners) {
-        setup_say(out, setup,
+        setup_say(out, setup, bold,
                   corners == 1   ? "%zu corner  {corner} another  {box} box to here  "
                                    "{enclose-in-box} faces  {enclose} ball's shell  {drop} drops it"
                   : corners == 2 ? "%zu corners  {corner} another  {drop} drops them"
@@ -316,17 +296,18 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
                                    "{drop} drops them",
                   corners);
     } else if (moves && state->stroke.is_set) {
-        setup_say(out, setup, "one end of a stroke  {plant} plants it to here  {drop} drops it");
+        setup_say(out, setup, bold,
+                  "one end of a stroke  {plant} plants it to here  {drop} drops it");
     } else if (moves && !facts->has_object) {
-        setup_say(out, setup,
+        setup_say(out, setup, bold,
                   "nothing to show yet: {plant} plants a seed here, {plant-label:0} background; "
                   "{keys} keys  {leave} back");
     } else if (moves && facts->has_one_object) {
-        setup_say(out, setup,
+        setup_say(out, setup, bold,
                   "one label fills all: {corner} here, then beyond its edge {enclose} encloses it; "
                   "{plant-label:0} background");
     } else if (moves && facts->wants_outline) {
-        setup_say(out, setup,
+        setup_say(out, setup, bold,
                   "{outline} outlines the object in a slice where it is wrong; {plant} or "
                   "{plant-label:0} corrects by balls; {keys} keys");
     } else if (state->mode == PILOT_WINDOWING) {
@@ -335,22 +316,23 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
         buf_add_char(out, ' ');
         pilot_add_decimal(out, facts->window[1]);
         buf_add_text(out, "  arrows");
-        add_hints(out, state, "  ");
+        add_hints(out, state, bold, "  ");
         for (size_t i = 0; i < setup->windows; i++)
-            buf_printf(out, "  %zu %s", i + 1, setup->window[i].name);
+            buf_printf(out, "  %s%zu%s %s", bold, i + 1, *bold ? "\033[m" : "",
+                       setup->window[i].name);
     } else if (state->mode == PILOT_RANGING) {
         buf_printf(out, "intensities LOW..HIGH, or none: %s_", state->typed);
-        add_hints(out, state, "  ");
+        add_hints(out, state, bold, "  ");
     } else if (pilot_outlines(state->mode)) {
         buf_add_text(out, state->mode == PILOT_OUTLINING ? "moving, or the mouse, draws an outline"
                           : state->hold.is_set           ? "grabbed: moving drags it"
                                                          : "the mouse drags it");
-        add_hints(out, state, "  ");
+        add_hints(out, state, bold, "  ");
     } else if (state->mode == PILOT_PICKING) {
         buf_printf(out, "CORRECT at pixel %u,%u", state->pixel[0], state->pixel[1]);
-        add_hints(out, state, "  ");
+        add_hints(out, state, bold, "  ");
     } else {
-        add_hints(out, state, "");
+        add_hints(out, state, bold, "");
     }
 }
 
@@ -479,7 +461,7 @@ static void add_wanted(struct buf *out, const struct pilot_keys_wish *wish)
             add_column(out, wish, buf_text(&keys), KEYS_WIDE);
             buf_printf(out, " %-*s  %s\n", NAME_WIDE, name, help ? help : "");
             if (wish->key && text && text != shown)
-                setup_say(out, wish->setup, "    %s\n", text);
+                setup_say(out, wish->setup, "", "    %s\n", text);
             shown = text;
         }
         out->failed |= keys.failed;

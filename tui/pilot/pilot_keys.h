@@ -259,9 +259,9 @@ void pilot_click(struct press *press, uint32_t column, uint32_t row);
  * can be shown while a command runs. */
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event);
 
-/* Add the hints of the present mode, in a line that fits 80 columns. */
+/* Add the hints of the present mode, in a line that fits 80 columns; `bold` as in setup_say. */
 void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *facts,
-                     struct buf *out);
+                     const char *bold, struct buf *out);
 
 /*
  * Add the row below the picture, without a line feed, for a screen of `columns`: the place of the
@@ -395,10 +395,11 @@ void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const stru
                     size_t most);
 
 /* Add a message with the user's keys: {NAME} is the first key of that row, {NAME:c} the key with
- * this character if the row has a range: s0 for {plant-label:0}. */
-void setup_say(struct buf *out, const struct pilot_setup *setup, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-#define pilot_say(press, ...) setup_say((press)->message, (press)->state->setup, __VA_ARGS__)
+ * this character if the row has a range: s0 for {plant-label:0}. Keys are preceded by `bold`, CSI
+ * .. m or "". */
+void setup_say(struct buf *out, const struct pilot_setup *setup, const char *bold,
+               const char *format, ...) __attribute__((format(printf, 4, 5)));
+#define pilot_say(press, ...) setup_say((press)->message, (press)->state->setup, "", __VA_ARGS__)
 
 /* ---- keys as words ---- */
 

@@ -98,7 +98,8 @@ void setup_add_keys(struct buf *out, const struct pilot_setup *setup, const stru
     }
 }
 
-void setup_say(struct buf *out, const struct pilot_setup *setup, const char *format, ...)
+void setup_say(struct buf *out, const struct pilot_setup *setup, const char *bold,
+               const char *format, ...)
 {
     OWNED(buf_release) struct buf words = {0};
     va_list values;
@@ -116,12 +117,14 @@ void setup_say(struct buf *out, const struct pilot_setup *setup, const char *for
             buf_add_char(out, *at);
             continue;
         }
+        buf_add_text(out, bold);
         setup_add_keys(out, setup, setup_row(setup, name), 1);
         const char *range = out->length > before + 3 ? out->data + out->length - 3 : "";
         if (character && (strcmp(range, "a-z") == 0 || strcmp(range, "0-9") == 0)) {
             out->length -= 3;
             buf_add_char(out, character);
         }
+        buf_add_text(out, *bold ? "\033[m" : "");
         at += bytes - 1;
     }
     out->failed |= words.failed;
