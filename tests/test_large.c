@@ -212,6 +212,15 @@ STORY(the_line_comes_late_is_drawn_over_itself_and_goes)
                "\rforest                1234 voxels, 1 s                          \r");
     progress_erase(&p);
     CHECK_TEXT(written(end[0]), "\r                                      \r");
+    p.owns_row = true;
+    progress_show(&p, "weights", 0, 10, now += 1000 * ms);
+    progress_show(&p, "weights", 5, 10, now += 1000 * ms);
+    written(end[0]);
+    progress_show(&p, "forest", 1234, 0, now += 1000 * ms); /* the rest of the row is erased */
+    CHECK_TEXT(written(end[0]), "\rforest                1234 voxels, 2 s"
+                                "                          \033[K\r");
+    progress_erase(&p);
+    written(end[0]);
     progress_erase(&p);
     progress_show(&p, "forest", 1, 2, now += 1000 * ms); /* something new begins */
     CHECK_TEXT(written(end[0]), "");

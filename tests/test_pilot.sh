@@ -473,15 +473,23 @@ if "$iftty" run reference >/dev/null 2>&1; then
     pressing C-o '^axial at 90,108,90  brush 1 r6'
     keys=$(sed -n '/^<!-- organ/,/^<!-- end of organ/s/^    \([^ ]*\) .*/\1/p' "$top/README.md")
     same "$(printf '%s\n' "$keys" | wc -l)" 10
+    tmux_here pipe-pane -t prompt "cat >'$work/stream'"
     for key in $keys; do type_letters "$key"; done
     shows_progress() { screen_text | tail -n 1 >row && grep -q ' %, ' row; }
     comes_true shows_progress
     grep -Eq ' %, [0-9]+ s( left)?$' row || fail "the row of progress: $(cat row)"
     see '^axial at 20,108,10  brush 0 r6  here 0'
     see '^the finish breaks label 1 to 1690916 voxels in 4 pieces; see `stats`'
+    tmux_here pipe-pane -t prompt
+    # Nothing is drawn over progress before it is erased.
+    LC_ALL=C awk 'BEGIN { RS = "[\r\033]" } /^forest .* s/ { n++; works = 1 } /^ +$/ { works = 0 }
+        works && / (seed|keys|back)/ { print; n = 0; exit } END { exit !n }' stream >row ||
+        fail "hints over progress: $(cat row)"
     type_letters "1bgc" # the volume is that of what is shown, which has settled
     tmux_here resize-window -t prompt -x 110 -y 24
     see 'finished  here 1 1\.69 l'
+    commanding "stats" '^label 1: .* 1690916 voxels, 1690\.9 ml'
+    press Escape
     tmux_here resize-window -t prompt -x 80 -y 24
     typing "q" '^ch2>$'
     entering "quit" '^journal: ' # what is typed before is the prompt's, and goes with it

@@ -53,9 +53,9 @@ static void put_line(struct progress *progress, const struct buf *line)
     buf_add(&out, buf_text(line), line->length);
     for (unsigned i = width; i < progress->drawn; i++)
         buf_add_char(&out, ' ');
+    buf_add_text(&out, progress->owns_row ? "\033[K" : "");
     if (width < progress->drawn)
         buf_add_char(&out, '\r');
-    buf_add_text(&out, progress->owns_row ? "\033[K" : "");
     if (!out.failed)
         term_write_to(progress->fd, out.data, out.length, NULL);
     progress->drawn = width;

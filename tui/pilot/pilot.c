@@ -221,7 +221,8 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     if (second || begins || has_status(p))
         add_row(out, size->rows - 2, size->columns, buf_text(&upper),
                 p->state->pen.is_down || p->state->base == PILOT_OUTLINING ? alarm : "");
-    add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
+    if (!p->is_showing) /* otherwise the row is that of progress */
+        add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
     out->failed |= upper.failed || lower.failed;
 }
 
