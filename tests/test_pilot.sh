@@ -256,10 +256,14 @@ typing "gl" '^> .* 3  node '
 press Up Enter
 comes_true is_cross
 see '^coronal at '
-typing "glr" '^:label 3 '
-enter "cyst"
-recorded "label 3 cyst"
-types "u" "undo"
+for name in cyst "large cyst"; do
+    typing "glr" '^:label 3 ""'
+    enter "$name"
+    [ "$name" = cyst ] || name="\"$name\""
+    recorded "label 3 $name"
+    types "u" "undo"
+done
+commanding "label 3 large cyst" '^error: COLOUR: .* [(]quote a name with blanks'
 commanding "cross 11,13,9" '^through 11,13,9'
 pressing Escape '^coronal at 11,13,9'
 commanding "help box" 'plant a box'

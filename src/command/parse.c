@@ -352,7 +352,7 @@ static enum err read_colour(struct value *value, const struct parameter *p, cons
     for (size_t i = 0; i < 7 && word[i]; i++)
         lower[i] = (char)tolower((unsigned char)word[i]);
     if (*word != '#' || !scan_hex(&at, 6, &colour) || word[7])
-        return report_expected(fault, p, word, "#rrggbb, six hexadecimal digits");
+        return report_expected(fault, p, word, "#rrggbb (quote a name with blanks)");
     value->number = (int64_t)colour;
     return OK;
 }

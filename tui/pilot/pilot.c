@@ -809,7 +809,8 @@ static bool take_label_key(struct pilot *p, const struct key_event *event,
     else if (key == 'e' && number)
         buf_printf(lines, "%s %u\n", label[*at].is_hidden ? "show" : "hide", number);
     else if (key == 'r')
-        buf_printf(&p->pasted, "label %u ", number);
+        /* Quotes, for a name with blanks; the key after the paste moves the cursor between them. */
+        buf_printf(&p->pasted, "label %u \"\"\033[201~\033[D\033[200~", number);
     else if (event->key == KEY_ENTER && p->host->centre(p->host->context, number, place))
         buf_printf(lines, "cross " PLACE "\n", XYZ(place));
     else if (event->key == KEY_ENTER)
