@@ -4,7 +4,7 @@
  *
  * The default colours differ from grey, the colour of slices, from the yellows of the cross-hair
  * and of marks, from the red of eliminators, and from one another, also for people without long,
- * middle or short cones. Labels 1 and 2, then 3, ... differ most.
+ * middle or short cones. Labels 1 and 2, then 3, ... differ most, and labels 1 to 8 also in grey.
  *
  * Distances are those of OKLab (Ottosson 2020) in 10 000ths; 200 is about the smallest visible
  * difference of adjacent areas. Colour blindness is simulated by Machado, Oliveira and Fernandes

@@ -124,11 +124,11 @@ enum least {
 static const int64_t promised[LEASTS][2] = {
     /* for eyes with all cones, and for each of the others */
     [APART_4] = {2890, 1220},     /* between labels 1 to 4 */
-    [APART_8] = {1680, 885},      /* between labels 1 to 8 */
+    [APART_8] = {1740, 870},      /* between labels 1 to 8 */
     [APART_16] = {1090, 610},     /* between labels 1 to 16 */
-    [NEAR] = {890, 440},          /* from 17 on, from the twelve labels before */
+    [NEAR] = {850, 440},          /* from 17 on, from the twelve labels before */
     [ALL] = {220, 100},           /* between any two labels */
-    [OFF_GREY] = {1230, 530},     /* of labels 1 to 16 from the nearest grey */
+    [OFF_GREY] = {1220, 530},     /* of labels 1 to 16 from the nearest grey */
     [OFF_GREY_ALL] = {700, 200},  /* of any label from grey */
     [OFF_MARKS] = {1150, 670},    /* of labels 1 to 16 from those yellows */
     [OFF_MARKS_ALL] = {500, 250}, /* of any label from them */
@@ -269,6 +269,20 @@ STORY(cross_hair_and_frame_differ_from_labels_1_to_8_for_every_eye_and_in_grey)
                 CHECK(apart_for(eye, &a, &b) >= 650 * 650);
             CHECK(llabs(lightness(mark[m]) - lightness(other)) >= 500);
         }
+}
+
+/* On a grey print or screen, and for eyes without cones. The darkest label differs from the darkest
+ * background, and the lightest from white. */
+STORY(labels_1_to_8_differ_in_grey)
+{
+    struct palette palette;
+    palette_default(&palette);
+    for (int i = 1; i <= 8; i++) {
+        const int64_t own = lightness(palette.rgb[i]);
+        CHECK(own >= 4490 && own <= 8820);
+        for (int j = 1; j < i; j++)
+            CHECK_WITH(llabs(own - lightness(palette.rgb[j])) >= 425, "%d and %d", i, j);
+    }
 }
 
 STORY(labels_stand_off_each_other_off_grey_and_off_marks_for_every_eye)
