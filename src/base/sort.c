@@ -110,3 +110,9 @@ enum err sort_by_upper_half(uint64_t *number, size_t count, struct watch *watch,
         distribute(room, number, count, 48, begin, watch);
     return fits ? watch_fault(watch, fault) : fault_memory(fault, "putting seeds in order");
 }
+
+int sort_compare(const void *a, const void *b)
+{
+    const uint64_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}

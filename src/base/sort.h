@@ -18,6 +18,9 @@
 enum err sort_by_upper_half(uint64_t *number, size_t count, struct watch *watch,
                             struct fault *fault);
 
+/* Compare two uint64_t, for qsort and bsearch. */
+int sort_compare(const void *a, const void *b);
+
 /*
  * A map from 64-bit keys to numbers: an open-addressing hash table that grows.
  */

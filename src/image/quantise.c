@@ -8,6 +8,7 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
+#include "base/sort.h"
 
 enum { PIECE = 1 << 16 /* values between two polls of the watch */ };
 enum { DIGIT = 16 /* bits */, OUTLIERS_ROOM = 1 << DIGIT /* a count of each */ };
@@ -456,12 +457,6 @@ static bool find_distinct(struct distinct *d, const struct fitting *f)
     return true;
 }
 
-static int compare_orders(const void *a, const void *b)
-{
-    const uint64_t *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
 /* Convert to the ranks of few distinct numbers; *fits is false if they are too many. */
 static enum err fit_distinct(bool *fits, const struct fitting *f)
 {
@@ -475,7 +470,7 @@ static enum err fit_distinct(bool *fits, const struct fitting *f)
         return fault_memory(f->fault, "a map");
     if (!*fits)
         return OK;
-    qsort(d->rising, d->count, sizeof *d->rising, compare_orders);
+    qsort(d->rising, d->count, sizeof *d->rising, sort_compare);
     volume->values = (uint32_t)d->count;
     for (size_t i = 0; i < d->count; i++) {
         d->rank[find_slot(d, d->rising[i])] = (uint16_t)i;

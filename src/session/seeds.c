@@ -153,16 +153,10 @@ static enum err find_waiting(uint64_t **waiting, size_t *count, const struct ses
     return sort_by_upper_half(*waiting, *count, session->watch, fault);
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const uint64_t *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
 static bool seed_waits(const uint64_t *waiting, size_t count, uint32_t cell)
 {
     const uint64_t at = (uint64_t)cell << 32;
-    return bsearch(&at, waiting, count, sizeof at, compare_numbers) != NULL;
+    return bsearch(&at, waiting, count, sizeof at, sort_compare) != NULL;
 }
 
 static enum err report_no_tree(const struct session *session, struct fault *fault)

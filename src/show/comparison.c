@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "base/sort.h"
 #include "engine/distance.h"
 #include "session/map.h"
 #include "session/tally.h"
@@ -230,12 +231,6 @@ static void take_farthest(struct label_distances *d, const struct work *w, uint8
     d->farthest[2] = w->first[2] + (uint32_t)(where / w->box.size[0] / w->box.size[1]);
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* Distances from one contour to the other; direction 0 is A to B. */
 static enum err take_surface(struct label_distances *d, struct work *w, int direction,
                              struct fault *fault)
@@ -257,7 +252,7 @@ static enum err take_surface(struct label_distances *d, struct work *w, int dire
             w->found[n++] = w->squared[i];
     if (watch_stops(w->watch))
         return watch_fault(w->watch, fault);
-    qsort(w->found, n, sizeof *w->found, compare_numbers);
+    qsort(w->found, n, sizeof *w->found, sort_compare);
     for (size_t i = 0; i < n; i++)
         w->sum_mm[direction] += in_mm(w, w->found[i]);
     d->directed_mean_mm[direction] = w->sum_mm[direction] / (double)n;
