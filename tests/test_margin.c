@@ -13,18 +13,18 @@ static struct world w;
 
 STORY(a_margin_is_what_the_other_label_would_have_to_pay_more)
 {
-    static const uint16_t weight[] = {1, 1, 5, 1, 1, 9, 2, 2};
+    static const uint16_t weight[] = {1, 1, 5, 1, 1, 9, 2, 2, 65535};
     /* From voxel 0 label 1 pays 1 up to the 5; from voxel 7, label 2 pays 2 up to the 9. */
-    static const uint16_t expected[] = {9, 8, 4, 4, 4, 0, 7, 9};
+    static const uint16_t expected[] = {9, 8, 4, 4, 4, 0, 7, 9, MARGIN_NONE};
     OWNED(mem_release) uint16_t *margin = NULL;
-    w = world_new(8, 1, 1, 6);
+    w = world_new(9, 1, 1, 6);
     const uint32_t first = grid_cell(&w.scene->grid, 0, 0, 0);
-    for (uint32_t x = 0; x < 8; x++)
+    for (uint32_t x = 0; x < 9; x++)
         w.scene->cell[first + x].weight = weight[x];
     world_plant(&w, first, 1);
     world_plant(&w, first + 7, 2);
     CHECK(margin_new(&margin, w.forest, NULL) == OK);
-    for (uint32_t x = 0; x < 8; x++)
+    for (uint32_t x = 0; x < 9; x++)
         CHECK_INT(margin[first + x], expected[x]);
     world_free(&w);
 }
@@ -66,6 +66,27 @@ STORY(a_cost_beyond_a_reach_is_passed_on_within_a_label_alone)
     CHECK(margin_new(&margin, w.forest, NULL) == OK);
     CHECK_INT(margin[grid_cell(grid, 1, 0, 0)], 0);
     CHECK_INT(margin[grid_cell(grid, 2, 0, 0)], 9);
+    world_free(&w);
+}
+
+/* Voxel 1 costs label 1 5, and the label of the exact seed would pay 0 there: so the cost of a path
+ * from there is below that of the tree of label 1. */
+STORY(a_cost_beyond_a_reach_may_be_below_the_one_in_the_forest)
+{
+    static const uint16_t weight[] = {5, 0, 5, 1, 0, 1}, expected[] = {5, 0, 0, 4, 5, 5};
+    OWNED(mem_release) uint16_t *margin = NULL;
+    const struct reach exact = {.radius = REACH_EXACT};
+    uint16_t reach;
+    w = world_new(6, 1, 1, 6);
+    const uint32_t first = grid_cell(&w.scene->grid, 0, 0, 0);
+    for (uint32_t x = 0; x < 6; x++)
+        w.scene->cell[first + x].weight = weight[x];
+    CHECK(forest_add_reach(w.forest, &exact, &reach, NULL) == OK);
+    const struct edit seed[] = {{first, 3, reach}, {first + 5, 1, 0}};
+    CHECK(forest_edit(w.forest, seed, 2, NULL) == OK);
+    CHECK(margin_new(&margin, w.forest, NULL) == OK);
+    for (uint32_t x = 0; x < 6; x++)
+        CHECK_INT(margin[first + x], expected[x]);
     world_free(&w);
 }
 

@@ -7,8 +7,6 @@
 #include "base/mem.h"
 #include "engine/queue.h"
 
-enum { VALUE, COST };
-
 /* Costs are served one after another, from the lowest up; serving a cost adds cells to it and to
  * higher ones. */
 struct search {
@@ -21,11 +19,9 @@ struct search {
     bool starved;
     uint32_t enough; /* costs from here on are not served */
 
-    /* For margins, [grid.cells]: VALUE, the weight or intensity that decides the weights of arcs,
-     * and COST, of the best path from another label, or MARGIN_NONE. Cells have four times as many
-     * bytes, and most of the time is spent waiting for them. */
-    uint16_t (*pair)[2];
-    bool has_reaches; /* seeds have: then C' may be below C */
+    /* For margins, [grid.cells]: MARGIN_NONE less the bar of each root, or 0; and C' so far, which
+     * becomes the margin when it is final. */
+    uint16_t *bar, *cost;
     uint32_t *after; /* for a rival, [grid.cells]: 1 plus the greatest weight from there on; or 0 */
     struct rival *rival;
     uint8_t label; /* the label whose rival is searched */
@@ -88,8 +84,7 @@ serve(struct search *s, look_around *look, const void *values, size_t bytes, str
                 const uint32_t ahead = s->level[n + AHEAD < s->count ? n + AHEAD : n];
                 for (unsigned i = 0; i < s->adjacency->count; i++) {
                     const size_t near = ahead + (size_t)s->adjacency->offset[i];
-                    if (!s->pair)
-                        __builtin_prefetch(s->scene->cell + near);
+                    __builtin_prefetch(s->scene->cell + near);
                     __builtin_prefetch((const char *)values + near * bytes);
                 }
                 look(s, s->level[n], cost);
@@ -102,55 +97,81 @@ serve(struct search *s, look_around *look, const void *values, size_t bytes, str
 
 /* ---- margins ---- */
 
-/* Set the cost of t to the best offer of neighbours with another label, and queue t. A cell that no
- * seed reaches keeps the cost 0, which no offer is below. */
-static void begin_at(struct search *search, uint32_t t)
+/* Return true if the margin of a reached cell is known to be 0: its cost is not below the bar of
+ * its root. */
+static inline bool is_at_bar(const struct search *search, const struct cell *cell)
+{
+    const uint32_t has = key_cost(cell->key);
+    return has < MARGIN_NONE && has + search->bar[key_root(cell->key)] >= MARGIN_NONE;
+}
+
+/* Return the best offer of neighbours whose C' or C is known: of another label, or at the bar. */
+static uint32_t best_offer(const struct search *search, const struct cell *cell)
 {
     const struct adjacency *adjacency = search->adjacency;
-    const struct cell *cell = search->scene->cell + t;
     uint32_t best = MARGIN_NONE;
-    if (!cell_is_reached(cell))
-        return;
     for (unsigned i = 0; i < adjacency->count; i++) {
         const struct cell *from = cell + adjacency->offset[i];
-        if (from->label == cell->label || !cell_is_reached(from))
+        if (!cell_is_reached(from) || (from->label == cell->label && !is_at_bar(search, from)))
             continue;
         const uint32_t w = arc_weight_now(search->arcs, from, cell), has = key_cost(from->key);
         const uint32_t offer = w > has ? w : has;
         best = offer < best ? offer : best;
     }
-    search->pair[t][VALUE] = search->arcs->kind == ARC_TARGET ? cell->weight : cell->intensity;
-    search->pair[t][COST] = (uint16_t)best;
-    if (best < MARGIN_NONE)
+    return best;
+}
+
+/* Lower the bar of the root of t: a path from another label reaches t at its best offer, which is
+ * not below C(t), and the root at that or at the weight of the root. */
+static void lower_bar(struct search *search, uint32_t t)
+{
+    const struct cell *cell = search->scene->cell + t;
+    if (!cell_is_reached(cell) || is_at_bar(search, cell))
+        return;
+    const struct cell *root = search->scene->cell + key_root(cell->key);
+    const uint32_t offer = best_offer(search, cell), w = arc_weight_now(search->arcs, root, root);
+    const uint32_t bar = MARGIN_NONE - (w > offer ? w : offer);
+    uint16_t *const known = search->bar + key_root(cell->key);
+    *known = (uint16_t)(bar > *known ? bar : *known);
+}
+
+/* Set the margin of t, or queue it at its best offer. */
+static void begin_at(struct search *search, uint32_t t)
+{
+    const struct cell *cell = search->scene->cell + t;
+    if (!cell_is_reached(cell))
+        return;
+    const bool is_known = is_at_bar(search, cell);
+    const uint32_t best = is_known ? 0 : best_offer(search, cell);
+    search->cost[t] = (uint16_t)best;
+    if (!is_known && best < MARGIN_NONE)
         queue_push(search->queue, best << 16, t);
 }
 
-/* Offer the final cost of s to neighbours of the same label. The outcome is hard to predict, so
- * there is no branch. Neighbours of another label have had the offer of C(s), which is not above
- * that of C'(s), unless seeds have reaches. */
+/* Offer the final cost of s to neighbours of the same label, and turn it into the margin: no later
+ * offer is below that. The outcome is hard to predict, so there is no branch. Neighbours of another
+ * label have had the offer of C(s), which is not above that of C'(s), unless seeds have reaches. */
 static inline void pass_on(struct search *search, uint32_t s, uint32_t here)
 {
     const struct adjacency *adjacency = search->adjacency;
     const struct cell *cell = search->scene->cell;
-    const uint16_t *own = search->pair[s];
-    const bool is_target = search->arcs->kind == ARC_TARGET;
+    const uint32_t own = key_cost(cell[s].key);
     struct waiting rise[26];
     size_t rises = 0;
-    if (own[COST] != here)
+    if (search->cost[s] != here)
         return;
+    search->cost[s] = (uint16_t)(here > own ? here - own : 0);
     if (search->capacity < search->count + adjacency->count)
         search->starved |= !mem_grow(&search->level, &search->capacity,
                                      search->count + adjacency->count, sizeof *search->level);
     for (unsigned i = 0; i < adjacency->count && !search->starved; i++) {
         const uint32_t t = s + (uint32_t)adjacency->offset[i];
-        uint16_t *to = search->pair[t];
-        const int32_t rising = to[VALUE] - own[VALUE];
-        const uint32_t w = is_target ? to[VALUE] : (uint32_t)(rising < 0 ? -rising : rising);
+        uint16_t *to = search->cost + t;
+        const uint32_t w = arc_weight_now(search->arcs, cell + s, cell + t);
         const uint32_t offer = w > here ? w : here;
-        bool takes = offer < to[COST];
-        if (takes & search->has_reaches)
-            takes = cell[t].label == cell[s].label;
-        to[COST] = (uint16_t)(takes ? offer : to[COST]);
+        const bool takes =
+            (offer < *to) & (cell[t].label == cell[s].label) & cell_is_reached(cell + t);
+        *to = (uint16_t)(takes ? offer : *to);
         search->level[search->count] = t;
         search->count += takes & (offer == here);
         rise[rises] = (struct waiting){offer << 16, t};
@@ -170,36 +191,30 @@ enum err margin_new(uint16_t **margin, const struct forest *forest, struct fault
                          "there is no margin under `weight polarity`, where the cost of a step "
                          "depends on the label; expected another weight; nothing was written");
     struct search search = search_begin(forest);
-    search.has_reaches = forest_limited_seeds(forest) > 0;
-    uint16_t(*const pair)[2] = search.pair = mem_array(cells, sizeof *pair);
-    search.starved |= !pair;
-    if (!search.starved) {
-        memset(pair, 0, cells * sizeof *pair);
+    search.cost = mem_array(cells, sizeof *search.cost);
+    search.bar = mem_pages(cells * sizeof *search.bar);
+    search.starved |= !search.cost || !search.bar;
+    if (search.cost)
+        memset(search.cost, 0xff, cells * sizeof *search.cost);
+    /* If seeds have reaches, C' may be below C, and there are no bars. */
+    for (int pass = forest_limited_seeds(forest) > 0; pass < 2 && !search.starved; pass++)
         for (struct grid_walk w = scene_walk(scene, "borders of labels", NULL, 0);
              grid_walk_next(&w);)
             for (uint32_t c = w.row.first; c < w.row.end; c++) {
                 scene_fetch_ahead(scene, c);
-                begin_at(&search, c);
+                (pass ? begin_at : lower_bar)(&search, c);
             }
+    if (!search.starved) {
         struct task task = task_begin(scene->watch, "margins", scene->grid.voxels);
-        serve(&search, pass_on, pair, sizeof *pair, &task);
+        serve(&search, pass_on, search.cost, sizeof *search.cost, &task);
     }
     const enum err err = search_end(&search, "the margins", fault);
-    if (err) {
-        free(pair);
-        return err;
-    }
-    uint16_t *const result = (uint16_t *)pair; /* begins where the pairs begin */
-    for (size_t c = 0; c < cells; c++) {
-        const struct cell *cell = scene->cell + c;
-        const uint32_t own = key_cost(cell->key), other = pair[c][COST];
-        const bool has = cell_is_reached(cell) && other != MARGIN_NONE;
-        scene_fetch_ahead(scene, c);
-        result[c] = (uint16_t)(!has ? MARGIN_NONE : other > own ? other - own : 0);
-    }
-    uint16_t *const shorter = realloc(result, cells * sizeof *result);
-    *margin = shorter ? shorter : result;
-    return OK;
+    mem_pages_free(search.bar, cells * sizeof *search.bar);
+    if (err)
+        free(search.cost);
+    else
+        *margin = search.cost;
+    return err;
 }
 
 /* ---- the rival of one voxel ---- */

@@ -15,8 +15,12 @@
  *
  *     C'(t) = min over neighbours s of max(w(s, t), L(s) = L(t) ? C'(s) : C(s))
  *
- * and one pass over costs, from the borders of labels inwards, solves it: in about the time of a
- * run from scratch, with four bytes a cell.
+ * and one pass over costs, from the borders of labels inwards, solves it. Most margins are 0 and
+ * known before the pass: if C'(r) <= b for a root r, then C'(t) = C(t) for every t of its tree with
+ * C(t) >= b, since the path from r to t costs C(t). The bar of a root is an upper bound of its C',
+ * computed from the offers at the borders of its tree: the way back to r costs no more than the way
+ * from r, or the weight of r. On ch2 an eighth of the voxels is left to the pass, and margins need
+ * 0.4 of the time.
  *
  * This holds while w does not depend on the label of the path, so not under ARC_POLARITY. If seeds
  * have reaches (engine/brush.h), C is the cost in the forest, and C' solves this equation from
