@@ -139,8 +139,7 @@ static void follow_forest(struct session *session)
     const struct changes changes = forest_changes(session->forest);
     tally_follow(&session->tally, &changes, session->watch);
     label_measures_follow(&session->inside->measures, &changes);
-    if (!(session->inside->stale & MADE_BORDER)) /* otherwise it was recounted while the run
-                                                    was shown */
+    if (!(session->inside->stale & MADE_BORDER))
         border_update(&session->border, &changes);
     if (watch_stops(session->watch))
         session->inside->stale |= MADE_BORDER;

@@ -532,14 +532,12 @@ void session_rollback(struct session *session)
 
 /* ---- showing the session during a command ---- */
 
-/* The border is that of the present labels of the forest, not finished ones, and is recounted
- * when they are final. Tally and measures are restored, since the command counts its changes from
- * them. */
 void session_show_cross(struct session *session, const uint32_t place[3])
 {
     memcpy(session->now.outlook.slices.cross, place, sizeof session->now.outlook.slices.cross);
 }
 
+/* Tally and measures are restored, since the command counts its changes from them. */
 void session_show(struct session *session, void (*draw)(void *context), void *context)
 {
     const struct tally tally = session->tally, former = session->former_tally;
@@ -547,11 +545,9 @@ void session_show(struct session *session, void (*draw)(void *context), void *co
     const bool shows_finished = session->now.outlook.shows_finished;
     session->now.outlook.shows_finished = false;
     session->inside->measures = (struct label_measures){0};
-    border_recount(&session->border);
-    session->inside->stale |= MADE_BORDER;
-    session_forget_pictures(session);
+    session->is_shown = true;
     draw(context);
-    session_forget_pictures(session);
+    session->is_shown = false;
     session->tally = tally;
     session->former_tally = former;
     label_measures_release(&session->inside->measures);

@@ -93,6 +93,7 @@ struct session {
     struct border border;
     struct tally tally;        /* voxels of each label, after session_count_labels */
     struct pictures *pictures; /* NULL until one is requested */
+    bool is_shown;             /* while a command runs (session_show) */
 
     /* State before the present command. `has_edited`: the command has edited seeds
      * (forest_seed_changes); `has_regrown`: it has recomputed the forest. */
@@ -218,8 +219,10 @@ void session_skim(struct session *session);
 enum err session_catch_up(struct session *session, struct fault *fault);
 
 /* Call this from `show` of the watch (base/watch.h), while a command runs. `draw` may read the
- * session and make pictures of its present state, and must not run a command. Data that `draw`
- * updates, such as counts, is restored afterwards, so that the command does not depend on it. */
+ * session and make pictures of its present state, in which slices have the labels of the forest and
+ * the rendition is the last one: the border is that of the former labels. It must not run a
+ * command. Data that `draw` updates, such as counts, is restored afterwards, so that the command
+ * does not depend on it. */
 void session_show(struct session *session, void (*draw)(void *context), void *context);
 
 /* Move the cross-hair within `draw`. The caller restores it, so that no command uses the temporary

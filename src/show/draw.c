@@ -730,7 +730,7 @@ enum err session_draw_labels(struct session *session, const struct labels *label
 {
     const struct view *view = &session->now.outlook.view;
     struct pictures *p;
-    if (session->skims)
+    if (session->skims || session->is_shown)
         return OK;
     TRY(pictures_begin(&p, session, fault));
     if (!labels->finished)
@@ -784,8 +784,8 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
     const enum rendered as = finished ? RENDERED_FINISHED : RENDERED_FOREST;
     struct pictures *p;
     *labels = labels_of_forest(session->scene);
-    *glance = (struct glance){session_frame(session), 1, false};
-    if (session->skims)
+    *glance = (struct glance){session_frame(session), 1, session->is_shown};
+    if (session->skims || session->is_shown)
         return OK;
     TRY(pictures_begin(&p, session, fault));
     const struct labels exact = {session->scene, finished ? session_finished(session) : NULL};

@@ -28,7 +28,7 @@ enum render_mode {
 
 /* Update the rendition to the present state. RENDER_AS_KEPT, RENDER_INCREMENTAL and RENDER_ONCE
  * update it, the others draw it from scratch. All give the same pixels. Here and below: ERR_MEMORY,
- * ERR_CANCELLED; a session that skims draws nothing. */
+ * ERR_CANCELLED; a session that skims draws nothing, and neither does one within session_show. */
 enum err session_render(struct session *session, enum render_mode mode, struct fault *fault);
 
 /* The same without applying the edits that wait. */
@@ -50,7 +50,7 @@ struct glance {
 
 /* Draw for a panel: in the view of session_fitting_view, valid until the next of these calls.
  * `within_ns` 0: no limit. *labels are those shown: the forest's, or finished ones, which may be
- * rough. The rendition is that of session_view_in_room. */
+ * rough. The rendition is that of session_view_in_room; within session_show, the one drawn last. */
 enum err session_draw_fitting(struct session *session, const uint32_t room[2], uint64_t within_ns,
                               struct glance *glance, struct labels *labels, struct fault *fault);
 
