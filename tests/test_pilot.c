@@ -1675,5 +1675,9 @@ STORY(keys_typed_ahead_show_where_the_cross_hair_goes_and_no_more)
     shown = state;
     peeks = 0;
     typed_ahead_show(&ahead, &shown, &host);
-    CHECK_INT(peeks, 0); /* moving draws */
+    CHECK_INT(peeks, 0); /* moving draws, */
+    const struct key_event right = {.key = KEY_CHARACTER, .point = 'l'},
+                           pen = {.key = KEY_CHARACTER, .point = 'v'};
+    CHECK(pilot_moves(&state, &right) && !pilot_only_moves(&state, &right));
+    CHECK(!pilot_moves(&state, &pen)); /* and keys after this one wait for it */
 }

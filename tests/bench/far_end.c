@@ -54,6 +54,7 @@ struct far_end {
     bool is_ahead;              /* the picture that came last is not shown yet */
     bool counts_ahead;          /* as something that comes */
     bool has_rows;              /* rows of text since the last barrier */
+    uint64_t frame_ns;          /* time of the last frame */
     bool is_soon;               /* what is awaited is enough */
     uint64_t worked_ns;         /* the program, before the result at hand */
     struct far_result *result;
@@ -168,6 +169,14 @@ static void match(struct far_end *e, char c, uint64_t now_ns)
     e->matched = 0;
 }
 
+static void note_frame(struct far_end *e, uint64_t now_ns)
+{
+    struct far_result *r = e->result;
+    if (r->frames++ && now_ns - e->frame_ns > r->gap_ns)
+        r->gap_ns = now_ns - e->frame_ns;
+    e->frame_ns = now_ns;
+}
+
 static void take(struct far_end *e, char c, uint64_t now_ns)
 {
     match(e, c, now_ns);
@@ -182,7 +191,8 @@ static void take(struct far_end *e, char c, uint64_t now_ns)
         answer(e, now_ns);
         e->has_rows |= strcmp(e->sequence, "[K") == 0;
         if (strcmp(e->sequence, "[c") == 0) {
-            e->result->frames += e->has_rows; /* others are sent ahead */
+            if (e->has_rows) /* otherwise it is sent ahead */
+                note_frame(e, now_ns);
             e->has_rows = false;
         }
         e->result->last_ns = e->counts_ahead || shows(e) ? now_ns : e->result->last_ns;
@@ -296,9 +306,10 @@ enum err far_end_hold(struct far_end *e, const char *key, unsigned times, double
                 return fault_set(fault, ERR_IO, "the program is gone");
         send(e, out->pressed_ns, key);
     }
-    const unsigned frames = out->frames;
+    const struct far_result held = *out;
     const enum err err = rest(e, fault);
-    out->frames = frames;
+    out->frames = held.frames;
+    out->gap_ns = held.gap_ns;
     return err;
 }
 

@@ -46,7 +46,8 @@ struct far_result {
     uint64_t came_ns[FAR_AWAITED_MOST]; /* of the awaited texts */
     uint64_t processor_ns;              /* of the program, until the terminal rests */
     size_t bytes;
-    unsigned frames; /* while a key was held */
+    unsigned frames; /* while a key was held, */
+    uint64_t gap_ns; /* and the longest time without one; from the first frame on */
 };
 
 /* Press keys, and wait until the texts of `awaited`, ended by NULL, have arrived in turn and the

@@ -74,6 +74,8 @@ enum {
     HELD_SLICE,
     HELD_TURN,
     HELD_DRAG,
+    HELD_PEN,
+    PEN_GAP,
     IDLE,
     STEP,
     BACK,
@@ -109,6 +111,8 @@ static const struct words key_words[KINDS] = {
     [HELD_SLICE] = {"held_slice", "K held: frames a second"},
     [HELD_TURN] = {"held_turn", "r held: frames a second"},
     [HELD_DRAG] = {"held_drag", "l held, dragging: frames a second"},
+    [HELD_PEN] = {"held_pen", "h held, the pen down: frames a second"},
+    [PEN_GAP] = {"held_pen_gap", "and the longest time without one"},
     [IDLE] = {"idle", "no key for ten seconds"},
     [STEP] = {"step", "watching: a step on"},
     [BACK] = {"step_back", "watching: a step back"},
@@ -290,13 +294,15 @@ static void outline(struct far_end *e, unsigned keys, struct key_figures out[KIN
     out[PLANT] = medians(&end[1]);
 }
 
-static struct key_figures hold(struct far_end *e, const char *key)
+static struct key_figures hold(struct far_end *e, const char *key, struct key_figures *gap)
 {
     struct far_result result;
     must(far_end_hold(e, key, HELD_FOR_MS / HELD_MS, HELD_MS, &result, &bench_fault));
     struct key_figures figures = {.keys = 1,
                                   .of = {[FIRST] = result.frames / (HELD_FOR_MS / 1000.0)}};
     take_result(figures.of, &result);
+    if (gap)
+        *gap = (struct key_figures){.keys = 1, .of = {[FIRST] = (double)result.gap_ns / 1e6}};
     return figures;
 }
 
@@ -329,14 +335,18 @@ static void press_all(struct far_end *e, unsigned keys, struct key_figures out[K
     out[MAGNIFY] = press_in_turn(e, "]", "]", keys);
     press(e, "W", frame);
     outline(e, 4, out);
-    out[HELD_MOVE] = hold(e, "l");
-    out[HELD_SLICE] = hold(e, "K");
-    out[HELD_TURN] = hold(e, "r");
+    out[HELD_MOVE] = hold(e, "l", NULL);
+    out[HELD_SLICE] = hold(e, "K", NULL);
+    out[HELD_TURN] = hold(e, "r", NULL);
     press(e, "gc", frame);
     press(e, "U", frame);
     press(e, "v", frame);
-    out[HELD_DRAG] = hold(e, "l");
+    out[HELD_DRAG] = hold(e, "l", NULL);
     press(e, "\033", frame);
+    press(e, "\033", frame);
+    press(e, "3+", frame); /* balls of radius 6 */
+    press(e, "v", frame);
+    out[HELD_PEN] = hold(e, "h", &out[PEN_GAP]);
     press(e, "\033", frame);
     out[IDLE] = rest(e);
 }
@@ -440,7 +450,7 @@ static struct buf stored;
 
 static bool is_held(int kind)
 {
-    return kind >= HELD_MOVE && kind <= HELD_DRAG;
+    return kind >= HELD_MOVE && kind <= HELD_PEN;
 }
 
 /* False where the first run had no such row. */

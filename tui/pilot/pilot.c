@@ -468,6 +468,10 @@ static bool read_key(struct pilot *p, struct key_event *event);
 #define SHOWN_EVERY_NS UINT64_C(100000000)
 #define READ_EVERY_NS  UINT64_C(10000000)
 
+/* Keys that take longer are shown before further ones that have arrived: otherwise nothing would be
+ * drawn while a pen is held whose edits take longer than the interval of its keys. */
+#define KEYS_NS UINT64_C(30000000)
+
 /* Keys are read ahead up to the first that does more than move the cross-hair: the text after a
  * colon is read by the line editor. Where nothing is recorded, steps are read ahead too. */
 static bool takes_ahead(const struct pilot *p)
@@ -477,7 +481,7 @@ static bool takes_ahead(const struct pilot *p)
     const struct pilot_row *row = last && p->state->watches ? pilot_row_of(p->state, last) : NULL;
     return typed_ahead_has_room(ahead) &&
            (!last || (p->state->watches ? !row || row->request == PILOT_NOTHING
-                                        : pilot_only_moves(p->state, last)));
+                                        : pilot_moves(p->state, last)));
 }
 
 /* Read keys; return false if it is too early. */
@@ -535,8 +539,8 @@ static void show_so_far(void *context)
     p->host->preview_cross(p->host->context, NULL);
     go_to_last_row("", NULL);
     p->ahead_shown = p->ahead.count;
-    const uint64_t now_ns = clock_ns(), took_ns = now_ns - p->wanted_ns;
-    p->shows_ns = now_ns + SHOWN_EVERY_NS + 3 * took_ns;
+    const uint64_t now_ns = clock_ns(), rests_ns = 3 * (now_ns - p->wanted_ns);
+    p->shows_ns = now_ns + (rests_ns > SHOWN_EVERY_NS ? rests_ns : SHOWN_EVERY_NS);
     p->is_showing = false;
 }
 
@@ -1125,11 +1129,19 @@ static enum err run(struct pilot *p, struct fault *fault)
     struct key_event event;
     enum err err = OK;
     while (!err && !p->is_over) {
-        while (!err && !p->is_over && next_key(p, &event))
+        const uint64_t begin_ns = clock_ns();
+        bool shows_first = false; /* before the next key */
+        while (!err && !p->is_over && !shows_first && next_key(p, &event)) {
             err = take_key(p, &event, fault);
+            shows_first = p->is_stale && clock_ns() >= begin_ns + KEYS_NS;
+        }
+        if (shows_first) /* an answer may follow keys */
+            p->reads_ns = 0, read_keys_ahead(p, clock_ns());
         if (!err && !p->is_over && (has_more(p) || is_send_ahead_due(p)) &&
             flow_may_send(&p->flow, clock_ns()))
             err = has_more(p) || p->flow.failed ? draw(p, fault) : send_ahead(p, fault);
+        if (shows_first)
+            continue;
         const bool is_rough = !p->is_stale && !p->is_hasty && !p->finish_failed &&
                               !has_partial_key(p) && !p->is_pasting && p->host->finish &&
                               p->shows == PILOT_ROUGH;

@@ -86,12 +86,16 @@ const struct pilot_row *pilot_row_of(const struct pilot_state *state, const stru
     return row ? row : find_among(state, event, false);
 }
 
-bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event)
+bool pilot_moves(const struct pilot_state *state, const struct key_event *event)
 {
     const struct pilot_row *row = pilot_row_of(state, event);
     const bool counts = event->key == KEY_CHARACTER && event->point >= '0' && event->point <= '9';
-    return !state->pen.is_down && !pilot_outlines(state->base) &&
-           (row ? row->flags & PILOT_ONLY_MOVES : counts && !event->modifiers);
+    return row ? row->flags & PILOT_ONLY_MOVES : counts && !event->modifiers;
+}
+
+bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event)
+{
+    return !state->pen.is_down && !pilot_outlines(state->base) && pilot_moves(state, event);
 }
 
 /* ---- a key that waits for a second one ---- */

@@ -255,8 +255,10 @@ enum pilot_request pilot_press(struct press *press);
 /* The same for a mouse report at this pixel of the picture. */
 void pilot_click(struct press *press, uint32_t column, uint32_t row);
 
-/* Return true if a key only moves the cross-hair and draws nothing, or is a digit of a count: it
- * can be shown while a command runs. */
+/* Return true if a key moves the cross-hair, or is a digit of a count: then further keys may be
+ * read before it is carried out. And if it draws nothing either, neither by the pen nor an outline:
+ * then it can be shown while a command runs. */
+bool pilot_moves(const struct pilot_state *state, const struct key_event *event);
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event);
 
 /* Add the hints of the present mode, in a line that fits 80 columns; `bold` as in setup_say. */
