@@ -186,7 +186,8 @@ static bool host_facts(void *context, struct pilot_facts *out)
         out->counts_down[plane] = slice_index(scene, plane, first) != 0;
         out->plane[plane] = slice_name(scene, plane);
     }
-    write_voxel(fact, session, s->cross, !pilot->onlooker);
+    /* Sums of labels that are about to be finished would delay the first picture. */
+    write_voxel(fact, session, s->cross, !pilot->onlooker && out->shows != PILOT_ROUGH);
     for (enum pilot_known i = PILOT_HERE; i < PILOT_KNOWN; i++) {
         snprintf(out->known[i], PILOT_KNOWN_BYTES, "%s", buf_text(fact + i));
         buf_release(fact + i);

@@ -479,7 +479,8 @@ static enum err make_live(struct pictures *p, struct fault *fault)
     if (from.finished || has_one_label(p->session))
         live->of = session_finish_source(p->session);
     live->border.labels.finished = live->label;
-    tally_forget(&live->tally);
+    live->tally = p->session->tally;
+    live->tally.stale |= from.finished != NULL;
     return OK;
 }
 
