@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A decoder of base64 and of the PNG files that we write: one IDAT, filter 0 or 3, a palette of 1
+/* A decoder of base64 and of the PNG files that we write: one IDAT, filter 0, 2 or 3, a palette of 1
  * to 8 bits, whose first colour may be clear, or 24-bit colours. Anything else is refused, and so
  * is a truncated file. It uses zlib, which did not write the file. */
 #ifndef TESTS_PNG_DECODE_H
@@ -53,11 +53,13 @@ static inline uint32_t png_number(const uint8_t *p)
     return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
 }
 
-/* Remove the filter of a row: 3 adds the mean of the pixels to the left and above. */
+/* Remove the filter of a row: 2 adds the pixel above, 3 the mean of those to the left and above. */
 static inline bool png_unfilter(uint8_t *line, size_t row, const uint8_t *above, size_t each)
 {
-    if (line[0] != 0 && line[0] != 3)
+    if (line[0] != 0 && line[0] != 2 && line[0] != 3)
         return false;
+    for (size_t i = 1; line[0] == 2 && above && i < row; i++)
+        line[i] = (uint8_t)(line[i] + above[i]);
     for (size_t i = 1; line[0] == 3 && i < row; i++)
         line[i] =
             (uint8_t)(line[i] + ((i > each ? line[i - each] : 0u) + (above ? above[i] : 0u)) / 2);

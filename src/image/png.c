@@ -283,14 +283,19 @@ static void pack_row(uint8_t *out, const uint8_t *row, uint32_t width, const uin
     }
 }
 
-/* Copy the rows, each after the number of its filter, 0 for none. */
+/* Copy the rows, each after the number of its filter: 0 for none, or 2, with zeros, for a row that
+ * equals the one above. */
 static void fill_rows(uint8_t *out, const struct raster *raster, const uint8_t *place,
                       unsigned bits, size_t row_bytes)
 {
     for (uint32_t y = 0; y < raster->height; y++) {
         const uint8_t *row = raster->bytes + y * raster->stride;
-        *out++ = 0;
-        if (!raster->colour)
+        const bool is_same = y > 0 && memcmp(row, row - raster->stride,
+                                             raster->width * raster_pixel_bytes(raster)) == 0;
+        *out++ = is_same ? 2 : 0;
+        if (is_same)
+            memset(out, 0, row_bytes);
+        else if (!raster->colour)
             memcpy(out, row, row_bytes);
         else if (bits == 8)
             for (uint32_t x = 0; x < raster->width; x++)
@@ -306,6 +311,9 @@ static void fill_rows(uint8_t *out, const struct raster *raster, const uint8_t *
 static void filter_rows(uint8_t *raw, size_t row_bytes, uint32_t rows, size_t each)
 {
     const size_t stride = row_bytes + 1;
+    for (uint8_t *row = raw; row < raw + rows * stride; row += stride)
+        if (row[0] == 2)
+            memcpy(row + 1, row + 1 - stride, row_bytes);
     for (uint32_t y = rows; y-- > 0;) {
         uint8_t *row = raw + y * stride;
         row[0] = 3;
@@ -315,6 +323,8 @@ static void filter_rows(uint8_t *raw, size_t row_bytes, uint32_t rows, size_t ea
                                             2);
     }
 }
+
+enum { SMALL = 1 << 14 }; /* pixels */
 
 /* Reserve memory for the rows, plain and deflated; returns their bytes, 0 without memory. */
 static size_t prepare(struct png_writer *w, enum png_effort effort, size_t row_bytes, size_t rows)
@@ -355,17 +365,19 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
                                                           : 1;
     const size_t row_bytes = raster->colour ? ((size_t)raster->width * bits + 7) / 8
                                             : raster->width * raster_pixel_bytes(raster);
-    const size_t raw_length = prepare(w, effort, row_bytes + 1, raster->height);
+    const enum png_effort level =
+        effort == PNG_SLOW_LINE && raster->width * raster->height <= SMALL ? PNG_SMALL : effort;
+    const size_t raw_length = prepare(w, level, row_bytes + 1, raster->height);
     if (raw_length == 0) {
         png->failed = true;
         return;
     }
     fill_rows(w->raw, raster, place, bits, row_bytes);
-    size_t packed_length = deflate_rows(w, effort, raw_length, 0);
+    size_t packed_length = deflate_rows(w, level, raw_length, 0);
     const uint8_t *packed = w->packed;
     if (effort == PNG_SLOW_LINE && bits == 8) {
         filter_rows(w->raw, row_bytes, raster->height, raster_pixel_bytes(raster));
-        const size_t length = deflate_rows(w, effort, raw_length, 1);
+        const size_t length = deflate_rows(w, level, raw_length, 1);
         packed = length < packed_length ? packed + w->packed_capacity / 2 : packed;
         packed_length = length < packed_length ? length : packed_length;
     }
