@@ -407,14 +407,15 @@ static int64_t wrong_pixels(const struct image_view *view)
             uint32_t wanted = beyond ? BLANK : 0;
             if (x < view->width && y < view->height)
                 wanted = expected_at(view, (size_t)y * view->width + x);
-            if (!painter.is_mixed || x >= view->width || y >= view->height) {
+            const uint32_t off = (painter.is_mixed ? PAINTER_NEAR : 0u) +
+                                 (painter.shades.has_few_greys ? SHADES_JOINED : 0u);
+            if (!off || x >= view->width || y >= view->height) {
                 wrong += wanted != seen[at];
                 continue;
             }
             const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
-            wrong += wanted != seen[at] &&
-                     channel_distance(seen[at], colour) >
-                         channel_distance(wanted, colour) + PAINTER_NEAR + SIXEL_OFF;
+            wrong += wanted != seen[at] && channel_distance(seen[at], colour) >
+                                               channel_distance(wanted, colour) + off + SIXEL_OFF;
         }
     return wrong;
 }

@@ -466,17 +466,6 @@ static void find_stale(const struct painter *p, struct stale *stale)
         stale->cost += cost_of(stale->box[i], box_cost);
 }
 
-static uint32_t most_apart(uint32_t a, uint32_t b)
-{
-    uint32_t most = 0;
-    for (unsigned shift = 0; shift < 24; shift += 8) {
-        const uint32_t one = a >> shift & 255, other = b >> shift & 255;
-        const uint32_t apart = one < other ? other - one : one - other;
-        most = apart > most ? apart : most;
-    }
-    return most;
-}
-
 /* Make another palette for the view. Pixels whose shown colour is near that of the view get its
  * index, so they are not sent again. */
 static bool change_palette(struct painter *p, const struct image_view *view)
@@ -492,8 +481,8 @@ static bool change_palette(struct painter *p, const struct image_view *view)
             if (*then == RASTER_CLEAR || now == RASTER_CLEAR)
                 continue;
             const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
-            const uint32_t off = most_apart(p->shades.colour[now], colour);
-            *then = most_apart(former[*then], colour) <= off + PAINTER_NEAR ? now : (uint8_t)!now;
+            const uint32_t off = shades_apart(p->shades.colour[now], colour);
+            *then = shades_apart(former[*then], colour) <= off + PAINTER_NEAR ? now : (uint8_t)!now;
         }
     p->is_mixed = true;
     return true;

@@ -221,6 +221,22 @@ static void forget_places(struct shades *s)
         s->place[colour_cell(s->colour[i])] = (uint8_t)(i + 1);
 }
 
+static uint32_t channel(uint32_t colour, unsigned k)
+{
+    return colour >> (16 - 8 * k) & 255;
+}
+
+uint32_t shades_apart(uint32_t a, uint32_t b)
+{
+    uint32_t most = 0;
+    for (unsigned k = 0; k < 3; k++) {
+        const uint32_t one = channel(a, k), other = channel(b, k);
+        const uint32_t apart = one < other ? other - one : one - other;
+        most = apart > most ? apart : most;
+    }
+    return most;
+}
+
 /* Opaque pixels, nearly all of them, are looked up directly. */
 static void apply_nearest(struct shades *s, const struct image_view *view, uint8_t *index,
                           size_t stride)
@@ -242,12 +258,28 @@ static void apply_nearest(struct shades *s, const struct image_view *view, uint8
     }
 }
 
-/* ---- ladders ---- */
-
-static uint32_t channel(uint32_t colour, unsigned k)
+/* Give pixels the place of the pixel on the left, or of one above in the same band of a sixel
+ * picture, if that is at most SHADES_JOINED off: each place in a column costs a byte. A change has
+ * an effect in its own band and COLUMNS columns alone. */
+static void join_places(const struct shades *s, const struct image_view *view, uint8_t *index,
+                        size_t stride)
 {
-    return colour >> (16 - 8 * k) & 255;
+    enum { COLUMNS = 16, BAND = 6 };
+    for (uint32_t y = 0; y < view->height; y++)
+        for (uint32_t x = 0; x < view->width; x++) {
+            uint8_t *place = index + y * stride + x;
+            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
+            bool is_joined = false;
+            for (uint32_t k = x % COLUMNS ? 0 : 1; !is_joined && k <= y % BAND; k++) {
+                const uint8_t other = k ? *(place - k * stride) : place[-1];
+                is_joined =
+                    other == *place || shades_apart(s->colour[other], colour) <= SHADES_JOINED;
+                *place = is_joined ? other : *place;
+            }
+        }
 }
+
+/* ---- ladders ---- */
 
 /* Return entry `i` of `n` between one colour and another; entry n is the latter. */
 static uint32_t between(uint32_t from, uint32_t to, unsigned i, unsigned n)
@@ -434,16 +466,8 @@ static uint32_t mean_error(struct shades *s, const struct image_view *view)
 {
     uint32_t look[SAMPLED_MOST], sum = 0;
     const unsigned looks = sample_pixels(view, view->rgba, look);
-    for (unsigned i = 0; i < looks; i++) {
-        const uint32_t shown = s->colour[place_of(s, look[i])];
-        uint32_t most = 0;
-        for (unsigned k = 0; k < 3; k++) {
-            const uint32_t one = channel(look[i], k), other = channel(shown, k);
-            const uint32_t apart = one < other ? other - one : one - other;
-            most = apart > most ? apart : most;
-        }
-        sum += 16 * most;
-    }
+    for (unsigned i = 0; i < looks; i++)
+        sum += 16 * shades_apart(s->colour[place_of(s, look[i])], look[i]);
     return looks ? sum / looks : 0;
 }
 
@@ -497,7 +521,8 @@ static bool choose_colours(struct shades *s, const struct image_view *view)
                            : share < 16      ? 16
                                              : share;
     const unsigned each = s->hues ? (SHADES_MOST - 1 - ACCENTS - greys) / s->hues : 0;
-    const unsigned most = each < 2 ? 2 : each > RUNGS_MOST ? RUNGS_MOST : each;
+    const unsigned rungs = view->has_few_greys ? RUNGS_MOST / 2 : RUNGS_MOST;
+    const unsigned most = each < 2 ? 2 : each > rungs ? rungs : each;
     const unsigned tints = s->has_tints ? most * 3 / 8 : 0;
     const unsigned gloss = (most - tints) / 4;
     s->count = 0;
@@ -586,6 +611,8 @@ bool shades_fill(struct shades *s, bool has_palette, const struct image_view *vi
         return apply_exact(s, view, bytes, stride);
     if (has_palette)
         apply_nearest(s, view, bytes, stride);
+    if (has_palette && s->has_few_greys)
+        join_places(s, view, bytes, stride);
     for (uint32_t y = 0; y < view->height && !has_palette; y++) {
         uint8_t *out = bytes + y * stride;
         for (uint32_t x = 0; x < view->width; x++) {

@@ -12,7 +12,8 @@
  * pixel maps to the nearest entry, which is cached for all colours that have the same 6 leading
  * bits a channel: a lookup in a table of 256 kB, filled on demand.
  *
- *   S1 the same colour has the same place in every picture until shades_choose;
+ *   S1 the same colour has the same place in every picture until shades_choose, unless it has few
+ *      greys: then places are joined where that is hardly seen, since bytes count;
  *   S2 place 0 is black, and black has place 0;
  *   S3 a picture of few colours, text for instance, has exactly these ("exact").
  *
@@ -30,7 +31,8 @@
 #include "tui/picture/image_view.h"
 
 enum { SHADES_MOST = 250, SHADES_HUES_MOST = 256 }; /* colours that every sixel terminal has */
-enum { SHADES_GREYS_FEW = 24 };                     /* on a slow line, if that saves bytes */
+/* On a slow line, if that saves bytes: greys, and steps of a channel that do not matter. */
+enum { SHADES_GREYS_FEW = 24, SHADES_JOINED = 8 };
 
 struct shades {
     uint32_t colour[SHADES_MOST]; /* 0xRRGGBB */
@@ -69,6 +71,9 @@ bool shades_lack(struct shades *shades, const struct image_view *view);
 /* Return true if a view needs a palette, however many colours it has: always in some protocols; in
  * the others unless it is smooth or has no hues. */
 bool shades_needed(const struct image_view *view, bool always);
+
+/* Return the largest difference of two colours in a channel. */
+uint32_t shades_apart(uint32_t a, uint32_t b);
 
 /* Write the view to `bytes`, `width` x `height` pixels (black outside the view): as indices of the
  * palette, or as 24-bit colours. Return false if the palette is exact and has no room for another
