@@ -7,12 +7,13 @@
 #include "base/least.h"
 #include "base/mem.h"
 
-enum { GAP_MOST = 6 }; /* tiles */
+enum { GAP_MOST = 6 };            /* tiles */
+enum { BLOCK = 3 * REFINE_TILE }; /* rows; whole bands of sixels, which have six */
 /* Levels of a channel in coarse tiles; in the coarsest so few that neighbours are often equal. */
 enum { COARSEST = 1 << (REFINE_LEVELS - 1), LEVELS = 32, LEVELS_OF_COARSEST = 8 };
 
 /* Bytes per tile before any frame was sent: about the size in palette pictures. */
-static const double cost_at_first[REFINE_LEVELS] = {160, 70, 35, 22, 10};
+static const double cost_at_first[REFINE_LEVELS] = {160, 70, 35, 20, 6};
 
 void refine_forget(struct refine *r)
 {
@@ -52,21 +53,29 @@ static size_t middle_of(const struct refine *r, const struct image_view *wanted,
     return middle;
 }
 
+static uint8_t rounded(uint8_t channel, unsigned levels)
+{
+    return (uint8_t)(channel * levels / 256 * 255 / (levels - 1));
+}
+
 /* Fill a block with the colour in its middle, in fewer levels. A mean would need new entries in the
- * palette. */
+ * palette. Words stay sharp, in the coarsest tiles in as few levels. */
 static void copy_block(struct refine *r, const struct image_view *wanted, uint32_t left,
                        uint32_t top, uint32_t coarse)
 {
     const size_t middle = middle_of(r, wanted, left, top, coarse);
     const unsigned levels = coarse < COARSEST ? LEVELS : LEVELS_OF_COARSEST;
+    const unsigned of_words = coarse < COARSEST ? 256 : levels;
     uint8_t block[4];
     for (unsigned k = 0; k < 4; k++)
-        block[k] = (uint8_t)(wanted->rgba[4 * middle + k] * levels / 256 * 255 / (levels - 1));
+        block[k] = rounded(wanted->rgba[4 * middle + k], levels);
     for (uint32_t y = top; y < top + coarse && y < r->height; y++)
         for (uint32_t x = left; x < left + coarse && x < r->width; x++) {
             const size_t at = (size_t)y * r->width + x;
             const bool is_word = wanted->words && wanted->words[at];
-            memcpy(r->rgba + 4 * at, is_word ? wanted->rgba + 4 * at : block, 4);
+            for (unsigned k = 0; k < 4; k++)
+                r->rgba[4 * at + k] =
+                    is_word ? rounded(wanted->rgba[4 * at + k], of_words) : block[k];
         }
 }
 
@@ -102,48 +111,63 @@ static enum below below_of(const struct image_view *wanted, const struct raster_
     return below;
 }
 
-/* List the tiles that differ from the wanted picture, inside the focus or outside; make those fine
- * whose greys the terminal has. Return false without memory. */
+/* List the tiles that differ from the wanted picture, inside the focus or outside, by columns of
+ * blocks if they are to be fine; make those fine whose greys the terminal has. Return false without
+ * memory. */
 static bool list_stale(struct refine *r, const struct image_view *wanted, bool in_focus, bool moves)
 {
-    for (uint32_t top = 0; top < r->height; top += REFINE_TILE)
-        for (uint32_t left = 0; left < r->width; left += REFINE_TILE) {
-            const struct raster_box t = tile_at(r, left, top);
-            bool differs = false;
-            if (is_within(&wanted->focus, &t) != in_focus)
-                continue;
-            for (uint32_t y = top; !differs && y < top + t.height; y++) {
-                const size_t at = 4 * ((size_t)y * r->width + left);
-                differs = memcmp(r->rgba + at, wanted->rgba + at, (size_t)4 * t.width) != 0;
-            }
-            if (!differs)
-                continue;
-            const enum below below = below_of(wanted, &t);
-            if (below == BELOW_THERE)
-                copy_tile(r, wanted, &t, 1);
-            r->waits |= below == BELOW_AWAITED && !moves;
-            if (below == BELOW_THERE || (below == BELOW_AWAITED && !moves))
-                continue;
-            if (!mem_grow(&r->stale, &r->stale_capacity, r->stales + 1, sizeof *r->stale))
-                return false;
-            r->stale[r->stales++] = t;
+    const uint32_t rows = moves ? REFINE_TILE : BLOCK, blocks = (r->height + rows - 1) / rows;
+    const uint32_t across = (r->width + REFINE_TILE - 1) / REFINE_TILE, down = rows / REFINE_TILE;
+    for (uint32_t i = 0; i < blocks * across * down; i++) {
+        const uint32_t top = i / down / across * rows + i % down * REFINE_TILE;
+        const struct raster_box t = tile_at(r, i / down % across * REFINE_TILE, top);
+        bool differs = false;
+        if (top >= r->height || is_within(&wanted->focus, &t) != in_focus)
+            continue;
+        for (uint32_t y = top; !differs && y < top + t.height; y++) {
+            const size_t at = 4 * ((size_t)y * r->width + t.left);
+            differs = memcmp(r->rgba + at, wanted->rgba + at, (size_t)4 * t.width) != 0;
         }
+        if (!differs)
+            continue;
+        const enum below below = below_of(wanted, &t);
+        if (below == BELOW_THERE)
+            copy_tile(r, wanted, &t, 1);
+        r->waits |= below == BELOW_AWAITED && !moves;
+        if (below == BELOW_THERE || (below == BELOW_AWAITED && !moves))
+            continue;
+        if (!mem_grow(&r->stale, &r->stale_capacity, r->stales + 1, sizeof *r->stale))
+            return false;
+        r->stale[r->stales++] = t;
+    }
     return true;
+}
+
+/* Return the number of fine tiles in a frame where `fit` fit: up to the end of a row of blocks, if
+ * it is near, since each piece of one has a fixed cost. */
+static size_t to_end_of_row(const struct refine *r, size_t fit)
+{
+    size_t end = fit;
+    while (end < r->stales && r->stale[end].left >= r->stale[end - 1].left)
+        end++;
+    return end <= fit + fit / 2 ? end : fit;
 }
 
 bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves, size_t budget,
                   struct image_view *shown)
 {
+    const bool is_new = !r->rgba || r->width != wanted->width || r->height != wanted->height;
     if (r->cost[0] <= 0)
         memcpy(r->cost, cost_at_first, sizeof r->cost);
     r->stales = 0;
     r->waits = false;
-    if (!r->rgba || r->width != wanted->width || r->height != wanted->height) {
+    if (is_new) {
         refine_forget(r);
         r->rgba = calloc((size_t)wanted->width * wanted->height, 4);
         r->width = wanted->width;
         r->height = wanted->height;
     }
+    moves |= r->is_begun;
     if (!r->rgba || !list_stale(r, wanted, true, moves) || !list_stale(r, wanted, false, moves))
         return false;
     const size_t stale = r->stales;
@@ -151,13 +175,13 @@ bool refine_begin(struct refine *r, const struct image_view *wanted, bool moves,
     unsigned level = 0;
     while (moves && level + 1 < REFINE_LEVELS && (double)stale * r->cost[level] > may)
         level++;
+    const double fit = may / r->cost[level] < 1 ? 1 : may / r->cost[level];
     size_t most = stale;
-    if (!moves) { /* full tiles, limited by the budget */
-        const double fit = may / r->cost[0];
-        most = fit < 1 ? 1 : fit < (double)stale ? (size_t)fit : stale;
-    }
+    if (fit < (double)stale && (is_new || !moves))
+        most = moves ? (size_t)fit : to_end_of_row(r, (size_t)fit);
+    r->is_begun = is_new && moves && most < stale;
     r->level = level;
-    r->tiles = most < stale ? most : stale;
+    r->tiles = most;
     for (size_t i = 0; i < r->tiles; i++) {
         const struct raster_box *here = r->stale + i, *before = i ? here - 1 : here;
         uint32_t left = here->left;

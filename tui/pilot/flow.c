@@ -111,7 +111,8 @@ static uint64_t ready_ns(const struct flow *f, uint64_t now_ns)
         return f->sent_ns ? f->sent_ns + FLOW_PAUSE_NS : 0;
     if (f->due == 0)
         return 0;
-    const uint64_t ready = since(FLOW_LEAD_NS, carried_ns(f, f->due));
+    const uint64_t lead = FLOW_LEAD_NS + least_64(f->drawn_ns, FLOW_DRAW_NS);
+    const uint64_t ready = since(lead, carried_ns(f, f->due));
     const uint64_t overdue = carried_ns(f, 1) + round_trip(f) + SLACK_NS;
     if (f->late > 0 || f->settled_ns || f->samples == 0 || f->due == FLOW_FRAMES ||
         later(now_ns, ready) > overdue)

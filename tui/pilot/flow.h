@@ -59,7 +59,8 @@
 
 #define FLOW_LIMIT_NS  UINT64_C(2000000000)
 #define FLOW_TARGET_NS UINT64_C(33000000)
-#define FLOW_LEAD_NS   UINT64_C(10000000)  /* transfer time left when the next frame is sent */
+#define FLOW_LEAD_NS   UINT64_C(10000000)  /* transfer time left when the next frame is sent, */
+#define FLOW_DRAW_NS   UINT64_C(40000000)  /* and at most so much more, for drawing it */
 #define FLOW_PAUSE_NS  UINT64_C(200000000) /* between frames if the terminal does not answer */
 
 enum {
@@ -74,6 +75,7 @@ enum {
 struct flow {
     uint64_t round_trip_ns; /* known beforehand; 0: unknown */
     bool silent;            /* the terminal answers nothing: send frames at intervals */
+    uint64_t drawn_ns;      /* time that the last frame was drawn in */
     /* ---- private, but for reading `due` and `failed` ---- */
     unsigned due;  /* frames whose barriers are unanswered */
     bool failed;   /* frames were given up, and nothing was sent since */
@@ -149,7 +151,7 @@ void pace_key(struct pace *pace, uint64_t now_ns);
 /*
  * A picture is cut into tiles. Tiles that the screen shows correctly stay; of the others as many
  * are sent as the frame's budget allows, in coarser pixels if necessary. Words stay sharp in coarse
- * tiles, and the focus of the view gets fine first. The cost of tiles is learnt from the frames
+ * tiles, and the focus of the view gets fine first, or is all that the first frame shows. The cost of tiles is learnt from the frames
  * that were sent. Where the terminal stores the greys of a slice (tui/picture/painter.h) little is
  * left to send, and tiles are fine at once; where it will get them, tiles wait.
  *
@@ -170,7 +172,8 @@ struct refine {
     double cost[REFINE_LEVELS]; /* bytes a tile */
     struct raster_box *stale;   /* tiles of the present frame that differ from the wanted picture */
     size_t stales, stale_capacity;
-    bool waits; /* some tiles wait for the terminal to get their greys */
+    bool waits;    /* some tiles wait for the terminal to get their greys */
+    bool is_begun; /* only a part of the first picture was sent, as coarse as possible */
 };
 
 /* Set `shown`, of the size of `wanted` and owned by the refine until the next call, to the picture

@@ -57,7 +57,8 @@ struct pilot {
     bool is_stale;          /* the screen does not show the present state, */
     bool is_hasty;          /* or shows a hastily drawn picture of it */
     struct pace pace;       /* intervals of keys */
-    struct image_view view; /* the picture of the present state, if drawn */
+    struct image_view view; /* the picture of the present state, if drawn, */
+    bool is_drawn;          /* in full while the line was busy, and not sent yet */
     struct refine refine;
     struct flow flow;
     bool is_resized;
@@ -273,34 +274,44 @@ static bool stops_drawing(void *context)
     return p->ahead.count > p->ahead.taken || has_partial_key(p) || p->is_pasting || p->is_stale;
 }
 
+/* Draw the present state; ERR_CANCELLED if that was stopped. */
+static enum err draw_view(struct pilot *p)
+{
+    const struct pilot_onlooker onlooker = {.context = p, .stops = stops_drawing};
+    const bool may_stop = !p->is_stale && !p->is_blank && !p->flow.failed && !p->is_pasting;
+    struct pilot_wish wish = wish_of(p);
+    struct fault why;
+    wish.onlooker = may_stop ? &onlooker : NULL;
+    p->reads_ns = 0;
+    const enum err err = p->host->picture(p->host->context, &wish, &p->view, &why);
+    const bool is_stopped = may_stop && (err == ERR_CANCELLED || p->is_stale);
+    if (err || is_stopped)
+        p->view = (struct image_view){0};
+    if (is_stopped)
+        return ERR_CANCELLED;
+    if (err)
+        say_error(p, &why);
+    p->is_hasty = p->view.is_hasty;
+    return err;
+}
+
 /* The host draws a state once, and again after a hasty picture; frames that make a picture finer
  * use the one that is there. Return false if it was stopped. */
 static bool add_picture(struct pilot *p, struct buf *out)
 {
-    const struct pilot_onlooker onlooker = {.context = p, .stops = stops_drawing};
-    struct pilot_wish wish = wish_of(p);
     struct image_view shown;
-    struct fault why;
+    enum err err = OK;
     if (p->facts->graphics->kind == GRAPHICS_NOTHING)
         return true;
-    if (!p->view.rgba || p->is_stale || is_due(p)) {
-        const bool may_stop = !p->is_stale && !p->is_blank && !p->flow.failed && !p->is_pasting;
-        wish.onlooker = may_stop ? &onlooker : NULL;
-        p->reads_ns = 0;
-        const enum err err = p->host->picture(p->host->context, &wish, &p->view, &why);
-        const bool is_stopped = may_stop && (err == ERR_CANCELLED || p->is_stale);
-        if (err || is_stopped)
-            p->view = (struct image_view){0};
-        if (is_stopped)
-            return false;
-        if (err)
-            say_error(p, &why);
-        p->is_hasty = p->view.is_hasty;
-        if (err)
-            return true;
-    }
+    if (!p->view.rgba || p->is_stale || is_due(p))
+        err = draw_view(p);
+    if (err)
+        return err != ERR_CANCELLED;
+    p->is_drawn = false;
     struct image_view view = p->view;
-    const size_t budget = flow_budget(&p->flow), before = out->length;
+    /* Sixels of a first picture in blocks need three times the bytes of other protocols. */
+    const bool is_large = p->flow.samples == 0 && p->facts->graphics->palette_always;
+    const size_t budget = flow_budget(&p->flow) / (is_large ? 3 : 1), before = out->length;
     const uint64_t takes_ns = flow_carries_ns(&p->flow, SLOW_BYTES);
     /* A slow line counts as slow until it is much faster. */
     p->stores_slices = takes_ns > (p->stores_slices ? STILL_SLOW_NS : SLOW_NS);
@@ -340,6 +351,7 @@ static enum err send_frame(struct pilot *p, struct buf *out, struct fault *fault
 static enum err draw(struct pilot *p, struct fault *fault)
 {
     const struct term_size size = term_size();
+    const uint64_t begin_ns = clock_ns();
     struct buf out = {0};
     struct pilot_facts facts;
     if (!p->host->facts(p->host->context, &facts)) {
@@ -372,6 +384,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         buf_add_text(&out, p->facts->barrier);
     p->is_stale = p->is_blank = false;
     p->shows = facts.shows;
+    p->flow.drawn_ns = clock_ns() - begin_ns;
     return send_frame(p, &out, fault);
 }
 
@@ -1020,7 +1033,7 @@ static bool next_key(struct pilot *p, struct key_event *event)
 
 static bool has_more(const struct pilot *p)
 {
-    return p->is_stale || p->refine.is_coarse || is_due(p);
+    return p->is_stale || p->is_drawn || p->refine.is_coarse || is_due(p);
 }
 
 /* Return true if the bytes so far are a key of their own unless more follows. A paste has no keys,
@@ -1137,12 +1150,14 @@ static enum err run(struct pilot *p, struct fault *fault)
         }
         if (shows_first) /* an answer may follow keys */
             p->reads_ns = 0, read_keys_ahead(p, clock_ns());
-        if (!err && !p->is_over && (has_more(p) || is_send_ahead_due(p)) &&
-            flow_may_send(&p->flow, clock_ns()))
+        const bool has_frame = !err && !p->is_over && (has_more(p) || is_send_ahead_due(p));
+        if (has_frame && flow_may_send(&p->flow, clock_ns()))
             err = has_more(p) || p->flow.failed ? draw(p, fault) : send_ahead(p, fault);
+        else if (has_frame && !p->is_stale && is_due(p) && p->view.rgba)
+            p->is_drawn = draw_view(p) == OK; /* while the line is busy */
         if (shows_first)
             continue;
-        const bool is_rough = !p->is_stale && !p->is_hasty && !p->finish_failed &&
+        const bool is_rough = !p->is_stale && !p->is_hasty && !p->is_drawn && !p->finish_failed &&
                               !has_partial_key(p) && !p->is_pasting && p->host->finish &&
                               p->shows == PILOT_ROUGH;
         if (!err && !p->is_over && is_rough)
