@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A decoder of base64 and of the PNG files that we write: one IDAT, filter 0, 2 or 3, a palette of 1
+/* A decoder of base64 and of the PNG files that we write: one IDAT, filters 0, 2, 3, a palette of 1
  * to 8 bits, whose first colour may be clear, or 24-bit colours. Anything else is refused, and so
  * is a truncated file. It uses zlib, which did not write the file. */
 #ifndef TESTS_PNG_DECODE_H
@@ -18,8 +18,10 @@
 struct decoded_png {
     uint32_t width, height;
     unsigned bits, colours; /* 0 colours: no palette */
-    bool has_clear;         /* the palette's first */
-    uint32_t *pixel;        /* [height][width] 0xRRGGBB, or PNG_CLEAR; for the caller to free */
+    unsigned veils;         /* colours of the palette that are not opaque, its first */
+    uint8_t alpha[8];       /* their alpha */
+    /* [height][width] 0xRRGGBB, or PNG_CLEAR; under a veil 0xAARRGGBB; for the caller to free */
+    uint32_t *pixel;
 };
 
 static inline int base64_value(char c)
@@ -79,16 +81,22 @@ static inline bool png_unpack(struct decoded_png *png, const uint8_t *packed, si
         fine = png_unfilter(line, row, y > 0 ? line - row : NULL, png->colours ? 1 : 3);
         for (uint32_t x = 0; fine && x < png->width; x++) {
             const uint8_t *c = line + 1 + 3 * x;
+            unsigned alpha = 0;
             if (png->colours) {
                 unsigned bit = x * png->bits;
                 unsigned byte = line[1 + bit / 8];
                 unsigned i = byte >> (8 - png->bits - bit % 8) & ((1u << png->bits) - 1);
                 fine = i < png->colours;
                 c = palette + 3 * i;
+                alpha = i < png->veils ? png->alpha[i] : 0;
+                fine &= i >= png->veils || alpha < 255;
+                if (i < png->veils && alpha == 0) {
+                    png->pixel[(size_t)y * png->width + x] = PNG_CLEAR;
+                    continue;
+                }
             }
             png->pixel[(size_t)y * png->width + x] =
-                png->has_clear && c == palette ? PNG_CLEAR
-                                               : (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
+                (uint32_t)alpha << 24 | (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
         }
     }
     free(raw);
@@ -115,9 +123,10 @@ static inline bool png_decode(struct decoded_png *png, const uint8_t *p, size_t 
             memcpy(palette, p + 8, n);
             png->colours = n / 3;
         } else if (memcmp(p + 4, "tRNS", 4) == 0) {
-            png->has_clear = png->colours > 0 && n == 1 && p[8] == 0;
-            if (!png->has_clear)
+            png->veils = n;
+            if (png->colours < n || n > sizeof png->alpha)
                 return false;
+            memcpy(png->alpha, p + 8, n);
         } else if (memcmp(p + 4, "IDAT", 4) == 0) {
             fine = !png->pixel && png_unpack(png, p + 8, n, palette);
         } else if (memcmp(p + 4, "IEND", 4) == 0) {

@@ -357,8 +357,9 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
 {
     uint8_t place[RASTER_COLOURS_MOST];
     uint32_t used[RASTER_COLOURS_MOST];
-    bool is_clear = false;
-    const unsigned colours = raster->colour ? raster_used(raster, place, used, &is_clear) : 0;
+    uint8_t alpha[RASTER_COLOURS_MOST];
+    unsigned veils = 0;
+    const unsigned colours = raster->colour ? raster_used(raster, place, used, &veils) : 0;
     const unsigned bits = !raster->colour || colours > 16 ? 8
                           : colours > 4                   ? 4
                           : colours > 2                   ? 2
@@ -388,37 +389,17 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
     if (raster->colour) {
         uint8_t rgb[3 * RASTER_COLOURS_MOST];
         for (size_t i = 0; i < colours; i++) {
+            alpha[i] = (uint8_t)(used[i] >> 24);
             rgb[3 * i] = (uint8_t)(used[i] >> 16);
             rgb[3 * i + 1] = (uint8_t)(used[i] >> 8);
             rgb[3 * i + 2] = (uint8_t)used[i];
         }
         add_chunk(png, "PLTE", rgb, 3 * (size_t)colours);
     }
-    if (is_clear)
-        add_chunk(png, "tRNS", "", 1); /* the first colour is seen through */
+    if (veils)
+        add_chunk(png, "tRNS", alpha, veils);
     add_chunk(png, "IDAT", packed, packed_length);
     add_chunk(png, "IEND", "", 0);
-}
-
-void png_add_pixels(struct png_writer *w, const struct raster *raster, enum png_effort effort,
-                    struct buf *out)
-{
-    const size_t row_bytes = (size_t)raster->width * 3;
-    const size_t raw_length = prepare(w, effort, row_bytes, raster->height);
-    if (raw_length == 0) {
-        out->failed = true;
-        return;
-    }
-    uint8_t *raw = w->raw;
-    for (uint32_t y = 0; y < raster->height; y++, raw += row_bytes) {
-        const uint8_t *row = raster->bytes + y * raster->stride;
-        for (uint32_t x = 0; raster->colour && x < raster->width; x++)
-            for (unsigned k = 0; k < 3; k++)
-                raw[3 * x + k] = (uint8_t)(raster->colour[row[x]] >> (16 - 8 * k));
-        if (!raster->colour)
-            memcpy(raw, row, row_bytes);
-    }
-    buf_add(out, w->packed, deflate_rows(w, effort, raw_length, 0));
 }
 
 enum err png_encode(struct buf *out, uint32_t width, uint32_t height, const uint8_t *rgba,

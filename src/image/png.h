@@ -4,9 +4,9 @@
  * and for HTML pages with embedded pictures. One IDAT; the same picture has the same bytes.
  *
  * A palette of up to 2, 4 or 16 colours packs 8, 4 or 2 pixels into a byte; it has only colours
- * that occur, and one may be transparent. No filter is used except for rows that equal the row above,
- * as most do in pictures in blocks of pixels. If bytes cost more than time, the average filter is
- * tried too: it saves a third for slices of ordered greys, and nothing for shaded objects.
+ * that occur, and some may be transparent. No filter is used except for rows that equal the row
+ * above, which most do in pictures in blocks of pixels. If bytes cost more than time, the average
+ * filter is tried too: it saves a third for slices of ordered greys, nothing for shaded objects.
  */
 #ifndef IMAGE_PNG_H
 #define IMAGE_PNG_H
@@ -36,11 +36,6 @@ void png_release(struct png_writer *writer);
 /* Append a file. Sets png->failed if out of memory. */
 void png_add(struct png_writer *writer, const struct raster *raster, enum png_effort effort,
              struct buf *png);
-
-/* Append the pixels alone: 24 bits each, deflated (zlib). Smaller than a file for few pixels. Not
- * for pixels with alpha. */
-void png_add_pixels(struct png_writer *writer, const struct raster *raster, enum png_effort effort,
-                    struct buf *out);
 
 /* Append the file of one picture: rgba is [height][width][4]; ERR_LIMIT for sides beyond 1..16384.
  */

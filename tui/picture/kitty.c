@@ -9,7 +9,6 @@
  *     ESC _ G q=2,m=0 ; <the rest> ESC \
  *
  *     ESC _ G a=f,i=7,r=1,X=1,x=40,y=8,f=100,s=20,v=10,q=2,m=0 ; <base64> ESC \     a patch
- *     ESC _ G a=f,i=7,r=1,X=1,x=40,y=8,f=24,o=z,s=3,v=3,q=2,m=0 ; <base64> ESC \    a small one
  *     ESC _ G a=d,d=I,i=7,q=2 ESC \                                     deletes it
  *
  *     ESC _ G a=T,C=1,f=100,i=9,p=1000,w=1,h=1,q=2,m=0 ; <base64> ESC \
@@ -17,13 +16,13 @@
  *     ESC _ G a=d,d=i,i=9,p=4,q=2 ESC \              hidden; the terminal still has it
  *
  * a=T transmits and shows at the cursor, C=1 leaves the cursor in place, q=2 (on every chunk) asks
- * for no answer, f=100 means PNG, f=24,o=z deflated 24-bit pixels, m=1 that more follows. a=f
- * changes a frame, r=1 the first, X=1 replaces pixels. Every chunk of a patch carries a=f,i=,r=1:
- * without them kitty 0.26.5 says OK and changes nothing. When its quota is full kitty drops
- * pictures that are not placed, so a strip has one pixel placed below the others; kitty reports a
- * dropped strip under q=1, as ESC _ G i=9,p=4;ENOENT:.. ESC \. ESC[2J drops all. No z is below 0,
- * where pictures are drawn under text: kitty does that in several passes, and Mesa's llvmpipe fails
- * in the pass that clears the area below the text.
+ * for no answer, f=100 means PNG, m=1 that more follows. a=f changes a frame, r=1 the first, X=1
+ * replaces pixels. Every chunk of a patch carries a=f,i=,r=1: without them kitty 0.26.5 says OK and
+ * changes nothing. When its quota is full kitty drops pictures that are not placed, so a strip has
+ * one pixel placed below the others; kitty reports a dropped strip under q=1, as
+ * ESC _ G i=9,p=4;ENOENT:.. ESC \. ESC[2J drops all. No z is below 0, where pictures are drawn
+ * under text: kitty does that in several passes, and Mesa's llvmpipe fails in the pass that clears
+ * the area below the text.
  * Source:
  * https://sw.kovidgoyal.net/kitty/graphics-protocol/
  */
@@ -38,7 +37,7 @@
 #include "tui/picture/painter.h"
 #include "tui/tmux.h"
 
-enum { CHUNK = 4096, FEW_PIXELS = 1024 };
+enum { CHUNK = 4096 };
 
 /* Picture numbers from here on, which other programs rarely use; and those of strips. */
 enum { KITTY_FIRST = 26982, KITTY_STRIPS = 270000 };
@@ -88,31 +87,14 @@ static void add_chunks(const struct buf *png, const char *first, const char *nex
     }
 }
 
-/* Add pixels as PNG by p->effort, in chunks; `keys` are those of the first chunk, each with its
- * comma. */
-static void add_png(struct painter *p, const struct raster *raster, const char *keys,
-                    struct buf *out)
+/* Add pixels as PNG by p->effort, in chunks; `first` are the keys of the first chunk and `next`
+ * those of later ones, each with its comma. */
+static void add_png(struct painter *p, const struct raster *raster, const char *first,
+                    const char *next, struct buf *out)
 {
     OWNED(buf_release) struct buf png = {0};
     png_add(&p->png, raster, p->effort, &png);
-    add_chunks(&png, keys, "", out);
-}
-
-/* Add the same as PNG or as deflated pixels, whichever is smaller; `next` are the keys of later
- * chunks. The keys of the size are added. */
-static void add_smaller(struct painter *p, const struct raster *part, const char *first,
-                        const char *next, struct buf *out)
-{
-    OWNED(buf_release) struct buf png = {0}, pixels = {0};
-    char keys[128];
-    png_add(&p->png, part, p->effort, &png);
-    if ((uint64_t)part->width * part->height <= FEW_PIXELS && !part->has_clear)
-        png_add_pixels(&p->png, part, p->effort, &pixels);
-    const bool is_png = pixels.length == 0 || png.length <= pixels.length;
-    snprintf(keys, sizeof keys, "%s%s,s=%u,v=%u,", first, is_png ? "f=100" : "f=24,o=z",
-             part->width, part->height);
-    out->failed |= png.failed || pixels.failed;
-    add_chunks(is_png ? &png : &pixels, keys, next, out);
+    add_chunks(&png, first, next, out);
 }
 
 /* Add the command that frees a picture, wherever it is shown. */
@@ -124,7 +106,7 @@ static void free_picture(uint32_t image, struct buf *out)
 /* Add a picture without a number, which stays where it is shown. */
 static void once(struct painter *p, const struct raster *raster, struct buf *out)
 {
-    add_png(p, raster, "a=T,C=1,f=100,", out);
+    add_png(p, raster, "a=T,C=1,f=100,", "", out);
 }
 
 /* A whole picture has another number than the one before, which is deleted when the new one is
@@ -135,7 +117,7 @@ static void whole(struct painter *p, const struct raster *raster, struct buf *ou
     char keys[48];
     snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,z=%d,", image, PICTURE_Z);
     painter_move_to(p, 0, 0, out);
-    add_png(p, raster, keys, out);
+    add_png(p, raster, keys, "", out);
     if (former > 0)
         free_picture(former, out);
     if (!out->failed)
@@ -148,8 +130,9 @@ static void patch(struct painter *p, const struct raster *raster, const struct r
     const struct raster part = raster_part(raster, *box);
     char next[32], first[80];
     snprintf(next, sizeof next, "a=f,i=%u,r=1,", p->image);
-    snprintf(first, sizeof first, "%sX=1,x=%u,y=%u,", next, box->left, box->top);
-    add_smaller(p, &part, first, next, out);
+    snprintf(first, sizeof first, "%sX=1,x=%u,y=%u,f=100,s=%u,v=%u,", next, box->left, box->top,
+             part.width, part.height);
+    add_png(p, &part, first, next, out);
 }
 
 /* ---- parts of slices ---- */
@@ -160,7 +143,7 @@ static void send_strip(struct painter *p, const struct raster *raster, uint32_t 
     char keys[96];
     snprintf(keys, sizeof keys, "a=T,C=1,f=100,i=%u,p=%d,w=1,h=1,", number, HOLD);
     painter_move_to(p, 0, 0, out);
-    add_png(p, raster, keys, out);
+    add_png(p, raster, keys, "", out);
 }
 
 static void place_strip(const struct painter *p, uint32_t number, unsigned place,
@@ -278,8 +261,8 @@ static void add_tile(struct painter *p, const struct raster *part, uint32_t imag
                      struct buf *out)
 {
     char first[64];
-    snprintf(first, sizeof first, "a=T,C=1,i=%u,z=%u,", image, z);
-    add_smaller(p, part, first, "", out);
+    snprintf(first, sizeof first, "a=T,C=1,i=%u,z=%u,f=100,", image, z);
+    add_png(p, part, first, "", out);
 }
 
 /* Return a free place: a picture is worn before none is left. */
@@ -427,8 +410,8 @@ static void send_in_cells(struct painter *p, const struct raster *part, uint32_t
 {
     OWNED(buf_release) struct buf commands = {0};
     char first[64];
-    snprintf(first, sizeof first, "a=T,U=1,i=%u,c=%u,r=%u,", image, columns, rows);
-    add_smaller(p, part, first, "", &commands);
+    snprintf(first, sizeof first, "a=T,U=1,i=%u,c=%u,r=%u,f=100,", image, columns, rows);
+    add_png(p, part, first, "", &commands);
     tmux_wrap(out, &commands);
 }
 

@@ -230,9 +230,41 @@ static void send_strips(struct painter *p, const struct image_view *view, size_t
         }
 }
 
-/* Clear pixels that the strips show anyway: `places` has `stride` a row. */
-static void clear_strips(const struct image_view *view, uint8_t *places, uint32_t stride)
+static bool is_veiled(const uint8_t rgb[3], uint32_t grey, uint32_t veil)
 {
+    const uint32_t share = veil >> 24 > 127 ? 2 : 1; /* thirds */
+    bool is = true;
+    for (unsigned k = 0; k < 3; k++)
+        is &= rgb[k] == ((3 - share) * grey + share * (veil >> (16 - 8 * k) & 255) + 1) / 3;
+    return is;
+}
+
+/* Return the index of the veil that shows a colour over a grey, or `place` without one. Hues get a
+ * veil when they are first seen, and keep it until a picture is sent whole. */
+static uint8_t veil_of(struct painter *p, const struct image_view *view, const uint8_t rgb[3],
+                       uint32_t grey, uint8_t place)
+{
+    if (rgb[0] == grey && rgb[1] == grey && rgb[2] == grey)
+        return RASTER_CLEAR;
+    for (unsigned v = 1; v < p->veils; v++)
+        if (is_veiled(rgb, grey, p->veil[v]))
+            return (uint8_t)(RASTER_CLEAR - v);
+    for (unsigned i = 0; p->veils < PAINTER_VEILS && i < view->hues; i++) {
+        const uint32_t veil = UINT32_C(85) << 24 | (view->hue[i] & 0xFFFFFF);
+        if (is_veiled(rgb, grey, veil)) {
+            p->veil[p->veils++] = veil;
+            return (uint8_t)(RASTER_CLEAR + 1 - p->veils);
+        }
+    }
+    return place;
+}
+
+/* Clear or veil pixels whose greys the strips show: `places` has `stride` a row. */
+static void clear_strips(struct painter *p, const struct image_view *view, uint8_t *places,
+                         uint32_t stride)
+{
+    if (p->veils == 0)
+        p->veil[1] = UINT32_C(170) << 24 | SHADES_CROSS, p->veils = 2;
     for (unsigned i = 0; i < view->strips; i++) {
         const struct raster_box *box = &view->strip[i].box;
         if (!view->strip[i].number)
@@ -242,8 +274,7 @@ static void clear_strips(const struct image_view *view, uint8_t *places, uint32_
             const uint8_t *rgba = view->rgba + 4 * first, *below = view->below + first;
             uint8_t *place = places + (size_t)y * stride + box->left;
             for (uint32_t x = 0; x < box->width; x++, rgba += 4)
-                if (rgba[0] == below[x] && rgba[1] == below[x] && rgba[2] == below[x])
-                    place[x] = RASTER_CLEAR;
+                place[x] = veil_of(p, view, rgba, below[x], place[x]);
         }
     }
 }
@@ -404,7 +435,8 @@ static struct raster raster_of(const struct painter *p, unsigned i)
     if (p->has_palette) {
         raster.colour = p->shades.colour;
         raster.colours = p->shades.count;
-        raster.has_clear = p->kept.strips > 0;
+        raster.veil = p->veil;
+        raster.veils = p->kept.strips ? p->veils : 0;
     }
     return raster;
 }
@@ -414,7 +446,7 @@ static bool fill_raster(struct painter *p, const struct image_view *view)
     if (!shades_fill(&p->shades, p->has_palette, view, p->of[1].bytes, p->width, p->height))
         return false;
     if (p->has_palette)
-        clear_strips(view, p->of[1].bytes, p->width);
+        clear_strips(p, view, p->of[1].bytes, p->width);
     return true;
 }
 
@@ -478,7 +510,7 @@ static bool change_palette(struct painter *p, const struct image_view *view)
         for (uint32_t x = 0; x < view->width; x++) {
             const size_t at = (size_t)y * p->width + x;
             uint8_t *then = p->of[0].bytes + at, now = p->of[1].bytes[at];
-            if (*then == RASTER_CLEAR || now == RASTER_CLEAR)
+            if (*then >= SHADES_MOST || now >= SHADES_MOST)
                 continue;
             const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
             const uint32_t off = shades_apart(p->shades.colour[now], colour);
@@ -520,6 +552,7 @@ static bool show_whole(struct painter *p, const struct image_view *view, struct 
         !mem_grow(&p->of[0].bytes, &p->of[0].capacity, bytes, 1) ||
         !mem_grow(&p->of[1].bytes, &p->of[1].capacity, bytes, 1))
         return false;
+    p->veils = 0;
     fill_raster(p, view);
     const struct raster raster = raster_of(p, 1);
     const struct raster_box all = {0, 0, p->width, p->height};
@@ -654,6 +687,7 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
     if (p->holder && p->holder != g)
         painter_remove(p, out);
     fitting.has_few_greys = view->is_slow && g->palette_always;
+    fitting.has_tints |= view->strips > 0; /* another palette for an outline would cost more */
     const bool fine = cut_view(&fitting, width, height, &copy) &&
                       (g->show ? g->show(p, &fitting, out) : show_pixels(p, &fitting, out));
     if (fine) {

@@ -151,9 +151,10 @@ void pace_key(struct pace *pace, uint64_t now_ns);
 /*
  * A picture is cut into tiles. Tiles that the screen shows correctly stay; of the others as many
  * are sent as the frame's budget allows, in coarser pixels if necessary. Words stay sharp in coarse
- * tiles, and the focus of the view gets fine first, or is all that the first frame shows. The cost of tiles is learnt from the frames
- * that were sent. Where the terminal stores the greys of a slice (tui/picture/painter.h) little is
- * left to send, and tiles are fine at once; where it will get them, tiles wait.
+ * tiles, and the focus of the view gets fine first; the first frame may show nothing else. The cost
+ * of tiles is learnt from the frames that were sent. Where the terminal stores the greys of a slice
+ * (tui/picture/painter.h) little is left to send, and tiles are fine at once; where it will get
+ * them, tiles wait.
  *
  *     struct refine r = {0};
  *     refine_begin(&r, &wanted, moves, budget, &shown)    shown: the picture to put on the screen
