@@ -521,10 +521,9 @@ static bool choose_colours(struct shades *s, const struct image_view *view)
                            : share < 16      ? 16
                                              : share;
     const unsigned each = s->hues ? (SHADES_MOST - 1 - ACCENTS - greys) / s->hues : 0;
-    const unsigned rungs = view->has_few_greys ? RUNGS_MOST / 2 : RUNGS_MOST;
-    const unsigned most = each < 2 ? 2 : each > rungs ? rungs : each;
+    const unsigned most = each < 2 ? 2 : each > RUNGS_MOST ? RUNGS_MOST : each;
     const unsigned tints = s->has_tints ? most * 3 / 8 : 0;
-    const unsigned gloss = (most - tints) / 4;
+    const unsigned rungs = (most - tints) / (view->has_few_greys ? 2 : 1), gloss = rungs / 4;
     s->count = 0;
     s->is_laddered = true;
     s->is_suited = false;
@@ -533,7 +532,7 @@ static bool choose_colours(struct shades *s, const struct image_view *view)
     add_ladder(s, 0, 0xFFFFFF, greys);
     for (unsigned i = 0; i < s->hues; i++) {
         const uint32_t hue = s->hue[i];
-        add_ladder(s, 0, hue, most - tints - gloss);
+        add_ladder(s, 0, hue, rungs - gloss);
         add_ladder(s, hue, brightened(hue, GLOSS), gloss);
         add_ladder(s, third(hue), brightened(third(hue), 170), tints);
     }
