@@ -324,8 +324,6 @@ static void filter_rows(uint8_t *raw, size_t row_bytes, uint32_t rows, size_t ea
     }
 }
 
-enum { SMALL = 1 << 14 }; /* pixels */
-
 /* Reserve memory for the rows, plain and deflated; returns their bytes, 0 without memory. */
 static size_t prepare(struct png_writer *w, enum png_effort effort, size_t row_bytes, size_t rows)
 {
@@ -366,19 +364,17 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
                                                           : 1;
     const size_t row_bytes = raster->colour ? ((size_t)raster->width * bits + 7) / 8
                                             : raster->width * raster_pixel_bytes(raster);
-    const enum png_effort level =
-        effort == PNG_SLOW_LINE && raster->width * raster->height <= SMALL ? PNG_SMALL : effort;
-    const size_t raw_length = prepare(w, level, row_bytes + 1, raster->height);
+    const size_t raw_length = prepare(w, effort, row_bytes + 1, raster->height);
     if (raw_length == 0) {
         png->failed = true;
         return;
     }
     fill_rows(w->raw, raster, place, bits, row_bytes);
-    size_t packed_length = deflate_rows(w, level, raw_length, 0);
+    size_t packed_length = deflate_rows(w, effort, raw_length, 0);
     const uint8_t *packed = w->packed;
     if (effort == PNG_SLOW_LINE && bits == 8) {
         filter_rows(w->raw, row_bytes, raster->height, raster_pixel_bytes(raster));
-        const size_t length = deflate_rows(w, level, raw_length, 1);
+        const size_t length = deflate_rows(w, effort, raw_length, 1);
         packed = length < packed_length ? packed + w->packed_capacity / 2 : packed;
         packed_length = length < packed_length ? length : packed_length;
     }
