@@ -65,7 +65,8 @@ STORY(no_file_and_no_free_text_of_any_command_is_told)
         const struct command *command = command_at(n);
         for (int i = 0; command->parameter[i].type; i++) {
             const struct parameter *p = &command->parameter[i];
-            if ((p->type != VALUE_FILE && p->type != VALUE_WORD) || stays(command, p))
+            if ((p->type != VALUE_FILE && p->type != VALUE_WORD) || stays(command, p) ||
+                p->is_code) /* SCHEME:VALUE of a terminology is no free text */
                 continue;
             for (size_t s = 0; s < sizeof secret / sizeof *secret; s++, tried++) {
                 write_line(&line, command, i, secret[s]);
@@ -102,6 +103,14 @@ STORY(what_no_parameter_takes_is_a_number_or_a_file)
     CHECK_TEXT(buf_text(&out), "later 3 file-1 file-2.json 1.5");
     write(&out, "stats " SECRET " report=" SECRET ".json");
     CHECK_TEXT(buf_text(&out), "stats file-1 report=file-2.json");
+    write(&out, "label 2 brain code=SCT:12738006:" SECRET);
+    CHECK_TEXT(buf_text(&out), "label 2 brain code=SCT:12738006");
+    write(&out, "label 2 brain \"code=SCT:12738006:of " SECRET "\" #010203");
+    CHECK_TEXT(buf_text(&out), "label 2 brain code=SCT:12738006 #010203");
+    write(&out, "label 2 brain code=" SECRET);
+    CHECK_TEXT(buf_text(&out), "label 2 brain");
+    write(&out, "label 2 brain code=none");
+    CHECK_TEXT(buf_text(&out), "label 2 brain code=none");
     write(&out, "open raw:" SECRET ".img size=2,2,2 series=\"T1 " SECRET "\" skip=a," SECRET);
     CHECK_TEXT(buf_text(&out), "open raw:scene.img size=2,2,2");
     write(&out, "mask x.nii \"T1 " SECRET);

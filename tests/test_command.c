@@ -519,6 +519,18 @@ SCENE_STORY(an_error_names_the_expected_form)
         {"label 3 a\x1b[31m", "a\\x1b[31m"},
         {"label 3 abcdefghijklmnopqrstuvwxyzabcdef", "at most 31 bytes"},
         {"label 3 cerebellum", "label 2 is already called cerebellum"},
+        {"label 3 x code=SCT", "code: expected none, or for a label above 0 SCHEME:VALUE"},
+        {"label 3 x code=:1", "16 letters, digits or ._+/- at most each"},
+        {"label 3 x code=SCT:", "not SCT:"},
+        {"label 3 x code=SCT:1:", "not SCT:1:"},
+        {"label 3 x code=SCT:12345678901234567", "not SCT:1234"},
+        {"label 3 x code=ABCDEFGHIJKLMNOPQ:1", "not ABC"},
+        {"label 3 x \"code=SCT:1 2\"", "not SCT:1 2"},
+        {"label 3 x code=SC\xc3\xa4:1", "not SC"},
+        {"label 3 x code=SCT:1:a\\b", "64 bytes without \\\"^~|<>&"},
+        {"label 3 x code=SCT:1:a|b", "not SCT:1:a|b"},
+        {"label 3 x \"code=SCT:1: a\"", "not SCT:1: a"},
+        {"label 0 x code=SCT:1", "for a label above 0"},
         {"help nothing", "there is no command nothing"},
         {"view left 3", "a named view has no angles"},
         {"pan 1", "missing: DOWN; usage: pan RIGHT DOWN"},
@@ -949,7 +961,7 @@ STORY(a_hint_is_the_rest_of_the_usage)
         {"overlay words=off ", "[none|tint|contour] [cross=on|off] [marks=on|off]"},
         {"slice axial a.png ", "[N] [zoom=fit|0.01..64] [replace=yes|no] [finished=yes|no]"},
         {"label 2 \"a", ""},
-        {"label \"2\"", " NAME [#rrggbb] [number=N]"},
+        {"label \"2\"", " NAME [#rrggbb] [number=N] [code=none|SCHEME:VALUE]"},
         {"\"seed\" ", "X,Y,Z LABEL " SEED_KEYS},
         {"\"seed", ""},
         {"run", " [for=QUESTION]"},
@@ -1209,8 +1221,9 @@ STORY(a_command_that_cannot_be_recorded_is_undone)
 {
     static const char before[] = "~auto on; ~auto off; label 4 liver #102030; open @/scene.nii";
     static const char deeds[] =
-        "label 2 cerebellum; label 0 nothing #010203; label-file @/names.txt; weight morph; "
-        "adjacency 26; adjacency 6; seed 1,1,1 1; seed 10,9,8 2 radius=1; run; seed-file "
+        "label 2 cerebellum code=SCT:113305005:Cerebellum; label 2 cerebellum code=none; label 0 "
+        "nothing #010203; label-file @/names.txt; weight morph; adjacency 26; adjacency 6; seed "
+        "1,1,1 1; seed 10,9,8 2 radius=1; run; seed-file "
         "@/seeds.csv; seed-file @/regions.nii label=4 erode=1 each=2; seed 5,5,5 3; remove 5,5,5; "
         "seed 6,2,7 0; save border @/b.nii > b.nii; weight gauss 1.5; adjacency 26; weight sobel; "
         "weight morph radius=2; weight @/weights.nii; weight @/heavier.nii; adjacency 6; weight "

@@ -142,6 +142,7 @@ needs teem-unu && {
     expect 0 "$iftty" -c 'open s.nii; labels in.seg.nrrd; run; stats; save labels out.seg.nrrd'
     out_has '1 name and 2 colours from the file'
     out_has 'label 4 3rd ventricle, "left": '
+    out_has '2 labels with more in the file, which is not kept: IDs or tags of 3D Slicer'
     for side in in out; do
         teem-unu head $side.seg.nrrd | /usr/bin/python3 names.py $side.seg.nrrd >$side.names
         teem-unu save -f nrrd -e raw -i $side.seg.nrrd | teem-unu data - >$side.voxels

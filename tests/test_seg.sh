@@ -110,7 +110,7 @@ cat >listed <<'END'
 1 liver [30073, 40021, 39977]
 2 Nebenniere rechts~u\337erer Teil
 END
-same "$(sed -n 's/^\([0-9]*\) \(.*\) \[.*/\1 \2/p' "$work/out" | tr '\n' ,)" \
+same "$(sed -n 's/^\([0-9]*\)|\(.*\)|\[.*/\1 \2/p' "$work/out" | tr '\n' ,)" \
     '1 liver,2 Nebenniere rechts~ußerer Teil,3 spleen "left",7 empty,300 third,'
 expect 0 "$iftty" -c "open ct; labels out.dcm; save labels back.nii; save names back.txt"
 same "$(voxels_of back.nii | cksum)" "$(voxels_of out.nii | cksum)"
@@ -121,6 +121,60 @@ same "$(cat dump.err)" ""
 has_line dump '(0008,0023) DA \[19000101\]'
 has_line dump '(0010,0010) PN (no value available)'
 grep -q SECRET dump && fail "it names the patient: $(grep SECRET dump)"
+
+# codes_of SCRIPT: the codes of labels, after these commands
+codes_of() {
+    rm -f codes.json
+    "$iftty" -c "open ct; $1; run; stats report=codes.json" >"$work/none" 2>&1
+    "$PYTHON" -c 'import json; print(*("%d %s" % (l["number"], l["code"])
+        for l in json.load(open("codes.json"))["by_label"]), sep=", ")'
+}
+
+begin "codes are read, set, undone, written to each format and read back"
+liver=SCT:10200004:Liver
+same "$(codes_of "labels binary.dcm")" "1 $liver, 2 $liver, 3 $liver"
+"$iftty" -c "open ct; labels binary.dcm" >"$work/out"
+out_has "3 codes from the file"
+grep -q "more in the file" "$work/out" && fail "nothing is lost"
+coded="labels binary.dcm; label 2 kidney code=SCT:64033007; label 3 \"the spleen\"; \
+label 3 spleen code=none; label 1 liver code=none; undo"
+same "$(codes_of "$coded")" "1 $liver, 2 SCT:64033007, 3 "
+expect 0 "$iftty" -c "open ct; $coded; save labels coded.dcm; save labels coded.seg.nrrd; \
+save labels coded.nii.gz" --journal coded.iftty
+out_has "its code remains $liver; code=none removes it"
+expect 0 "$iftty" verify coded.iftty
+for name in coded.dcm coded.seg.nrrd coded.nii.gz; do
+    same "$name: $(codes_of "labels $name")" "$name: 1 $liver, 2 SCT:64033007, 3 "
+    "$iftty" -c "open ct; labels $name" >"$work/out"
+    grep -q "more in the file" "$work/out" && fail "$name: nothing is lost"
+done
+expect 0 "$iftty" -c "open ct; labels coded.dcm" --journal copied.iftty
+mv coded.dcm away.dcm
+expect 0 "$iftty" copied.iftty <<'END'
+run
+stats report=codes.json replace=yes
+END
+same "$(grep -c '"code": "SCT:64033007"' codes.json)" 1
+expect 0 "$iftty" verify copied.iftty
+mv away.dcm coded.dcm
+expect 0 "$PYTHON" -B "$top/tests/volumes/seg.py" read coded.dcm labels.twin.nii ct
+same "$(cut -d '|' -f 1,2,4- "$work/out" | sort)" \
+    "1|liver|SCT|123037004|Anatomical Structure|SCT|10200004|Liver
+2|kidney|SCT|123037004|Anatomical Structure|SCT|64033007|kidney
+3|spleen|SCT|85756007|Tissue|SCT|85756007|Tissue"
+same "$(grep -a 'Segment1_Tags' coded.seg.nrrd)" "Segment1_Tags:=TerminologyEntry:Segmentation \
+category and type - DICOM master list~SCT^123037004^Anatomical Structure~SCT^64033007^kidney~^^~\
+Anatomic codes - DICOM master list~^^~^^|"
+needs dciodvfy && {
+    dciodvfy coded.dcm >"$work/out" 2>&1
+    same "$(grep Error "$work/out")" ""
+}
+
+begin "what a SEG has besides a code is counted, and a meaning that does not fit left out"
+same "$(codes_of "labels bad-coded.dcm")" "1 $liver, 2 SRT:M-01000, 3 "
+expect 0 "$iftty" -c "open ct; labels bad-coded.dcm"
+out_has "3 labels with more in the file, which is not kept: IDs or tags of 3D Slicer, or the \
+category, modifier or region of a code"
 
 begin "the patient and a date are written only on request"
 expect 0 "$iftty" -c "open ct; labels binary.dcm; save labels known.dcm identity=keep times=yes"

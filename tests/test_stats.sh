@@ -81,7 +81,7 @@ for kind in plain smooth; do
     done
 done
 same "$(field smooth.csv 1 gained)" ""
-has_line smooth.json '"number": 2, "name": "", "voxels": '"$(field smooth.csv 2 voxels)," ||
+has_line smooth.json '"name": "", "code": "", "voxels": '"$(field smooth.csv 2 voxels)," ||
     fail "$(cat smooth.json)"
 expect 2 "$iftty" -c "open scene.nii; stats report=x.txt"
 err_has "report: expected a name that ends in .json or .csv"

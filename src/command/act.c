@@ -7,6 +7,7 @@
 
 #include "base/mem.h"
 #include "base/safe.h"
+#include "image/names.h"
 #include "session/map.h"
 #include "show/label_loss.h"
 
@@ -22,7 +23,7 @@ enum err act_label(const struct act *act)
     const struct value *other_number = act_value(act, "number");
     const uint32_t number = act_place(act, "LABEL")[0];
     int label = (int)act_number(act, "LABEL");
-    const char *name = act_text(act, "NAME");
+    const char *name = act_text(act, "NAME"), *code = act_text(act, "code");
     if (!label_name_fits(name))
         return fault_set(act->fault, ERR_USAGE,
                          "NAME: expected a name of at most %d bytes, with no = or \\ in it, no # "
@@ -32,6 +33,13 @@ enum err act_label(const struct act *act)
         if (other != label && strcmp(kept->label_name[other], name) == 0)
             return fault_set(act->fault, ERR_USAGE, "label %u is already called %s",
                              numbering_of(kept, (unsigned)other), name);
+    const bool has_code = code && strcmp(code, "none") != 0;
+    if (label == 0 ? has_code : has_code && !label_code_fits(code))
+        return fault_set(act->fault, ERR_USAGE,
+                         "code: expected none, or for a label above 0 SCHEME:VALUE[:MEANING], as "
+                         "in SCT:10200004:Liver: 16 letters, digits or ._+/- at most each, and 64 "
+                         "bytes without %s; not %s",
+                         CODE_EXCLUDES, code);
     if (other_number->given && label == 0)
         return fault_set(act->fault, ERR_USAGE, "number: label 0 is 0 in every file");
     if (label == NUMBER_UNKNOWN)
@@ -48,6 +56,13 @@ enum err act_label(const struct act *act)
                          (long long)other_number->number);
     memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
     memcpy(kept->label_name[label], name, strlen(name));
+    if (code)
+        memset(kept->label_code[label], 0, LABEL_CODE_BYTES);
+    if (has_code)
+        memcpy(kept->label_code[label], code, strlen(code));
+    else if (!code && *kept->label_code[label])
+        buf_printf(&act->reply->text, "its code remains %s; code=none removes it\n",
+                   kept->label_code[label]);
     for (int k = 0; act_has(act, "COLOUR") && k < 3; k++)
         kept->palette.rgb[label][k] = (uint8_t)(act_number(act, "COLOUR") >> (16 - 8 * k));
     return act_go(act);

@@ -90,6 +90,7 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
         .lost = knows_moves ? tally->lost : NULL,
         .before = labels->finished ? NULL : session_voxels_before_edit(session),
         .label_name = session->now.kept.label_name,
+        .label_code = session->now.kept.label_code,
         .label_number = number,
         .geometry = &session->geometry,
         .levels = session->levels,

@@ -195,11 +195,11 @@ static enum err keep_copy(const struct act *act, const struct volume *map,
     struct volume_label label[256] = {0};
     const bool only_looks = interp->journal && journal_only_looks(interp->journal);
     for (unsigned l = 0; l < 256; l++)
-        label[l].name = "";
+        label[l].name = label[l].code = "";
     for (size_t i = 0; i < names->count; i++) {
         const struct label_entry *entry = &names->entry[i];
         struct volume_label *of = &label[entry->number];
-        *of = (struct volume_label){.name = entry->name, .number = entry->number, .used = true};
+        *of = (struct volume_label){entry->name, entry->code, {0}, entry->number, true};
         memcpy(of->rgb, entry->rgb, sizeof of->rgb);
     }
     TRY(find_copy(path, act, digest));
@@ -322,7 +322,7 @@ static void choose_names(struct label_table *names, const struct act *act,
     const int64_t one = act_number_or(act, "label", LABEL_OWN);
     struct label_entry of[256];
     unsigned entries[256] = {0};
-    unsigned left = 0;
+    unsigned left = 0, partial = 0;
     for (size_t i = 0; i < names->count; i++) {
         uint32_t number = names->entry[i].number;
         if (!number)
@@ -334,6 +334,7 @@ static void choose_names(struct label_table *names, const struct act *act,
         const int64_t label = one == LABEL_OWN ? numbering_find(&act->next->kept, number) : one;
         if (label <= 0 || entries[label]++)
             continue;
+        partial += names->entry[i].is_partial;
         of[label] = names->entry[i];
         of[label].number = (uint32_t)label;
         if (!of[label].has_colour)
@@ -344,6 +345,12 @@ static void choose_names(struct label_table *names, const struct act *act,
     if (left)
         buf_printf(&act->reply->text, "%u name%s of other regions %s not kept\n", left,
                    plural(left), left == 1 ? "is" : "are");
+    if (partial)
+        buf_printf(
+            &act->reply->text,
+            "%u label%s with more in the file, which is not kept: IDs or tags of 3D Slicer, or "
+            "the category, modifier or region of a code\n",
+            partial, plural(partial));
     for (unsigned label = 1; label < 256; label++)
         if (entries[label] == 1)
             names->entry[names->count++] = of[label];
@@ -363,6 +370,8 @@ static void apply_names(const struct act *act, const struct label_table *names)
     else if (tally.names || tally.colours)
         buf_printf(out, "%u name%s and %u colour%s from the file\n", tally.names,
                    plural(tally.names), tally.colours, plural(tally.colours));
+    if (tally.codes)
+        buf_printf(out, "%u code%s from the file\n", tally.codes, plural(tally.codes));
     act_write_changed_names(act, &tally);
 }
 
@@ -371,7 +380,7 @@ static void write_names(struct buf *out, const struct label_table *names)
 {
     for (size_t i = 0; i < names->count; i++)
         names_add(out, names->entry[i].number, names->entry[i].rgb, names->entry[i].name,
-                  strlen(names->entry[i].name));
+                  strlen(names->entry[i].name), names->entry[i].code);
 }
 
 /* Set the voxels of a map to the present labels; in those of `beyond`, only to labels above 0. */
@@ -534,11 +543,6 @@ static enum err read_recorded(struct volume *map, struct label_table *names, con
     write_names(words, names);
     if (!err)
         err = label_copy_digest(digest, map, words, act->session->watch, act->fault);
-    if (!err && !has_copy && names->count && strcmp(digest, recorded) != 0) {
-        names->count = 0; /* a record of before names were read */
-        buf_clear(words);
-        err = label_copy_digest(digest, map, words, act->session->watch, act->fault);
-    }
     if (err)
         return err;
     const bool same_numbers =

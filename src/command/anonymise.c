@@ -71,7 +71,7 @@ static void add_name(struct anonymiser *anonymiser, struct buf *out, const char 
 
 /* ---- words ---- */
 
-enum fate { WORD_STAYS, WORD_IS_FILE, WORD_GOES };
+enum fate { WORD_STAYS, WORD_IS_FILE, WORD_IS_CODE, WORD_GOES };
 
 /* Decide about a value by its parameter, NULL if it fits none. */
 static enum fate judge(const struct parameter *p, const char *value)
@@ -83,6 +83,8 @@ static enum fate judge(const struct parameter *p, const char *value)
         return WORD_STAYS;
     if (p->type == VALUE_FILE)
         return p->is_scene && strncmp(value, "synth:", 6) == 0 ? WORD_STAYS : WORD_IS_FILE;
+    if (p->is_code)
+        return label_code_value(value) ? WORD_IS_CODE : WORD_GOES;
     if (p->type == VALUE_WORD && !p->is_kept)
         return WORD_GOES;
     /* Other types contain no path, except for slashes between numbers. */
@@ -107,6 +109,10 @@ static void add_word(struct anonymiser *anonymiser, struct buf *out, const struc
         return;
     }
     buf_add(out, word, (size_t)(text - word)); /* its key */
+    if (fate == WORD_IS_CODE) {                /* without its meaning, which is free text */
+        buf_add(out, text, label_code_value(text));
+        return;
+    }
     if (p && p->is_scene && scan_text(&text, "raw:"))
         buf_add_text(out, "raw:");
     add_name(anonymiser, out, text, p && p->is_scene);

@@ -266,14 +266,17 @@ static const struct command command_table[] = {
     {CALLED("label", "name|colour|color", act_label, GROUP_SEEDS, R),
      {NEED("LABEL", VALUE_LABEL, .most = 255, .makes = true),
       NEED("NAME", VALUE_WORD, .is_kept = true), MAY("COLOUR", VALUE_COLOUR),
-      KEYED("number", VALUE_NUMBER, .least = 1, .most = UINT32_MAX, .form = "N")},
-     "set the name and colour of a label",
+      KEYED("number", VALUE_NUMBER, .least = 1, .most = UINT32_MAX, .form = "N"),
+      KEYED("code", VALUE_WORD, .is_code = true, .choices = "none", .form = "SCHEME:VALUE")},
+     "set the name, colour and code of a label",
      "Label 0 is the background. Quote a name of several words, as in \"left hemi\".\n"
      "LABEL may be a new number up to 4294967295; at most 255 labels exist at a time. Once a "
      "session has a label above 255, made here or read by `labels`, other commands accept only "
      "labels that exist: make a new one by `label` first.\n"
-     "number: give the label another number.",
-     "label 2 cerebellum #40c060"},
+     "number: give the label another number.\n"
+     "code: the meaning of the label in a terminology, SCHEME:VALUE[:MEANING], which `save labels` "
+     "writes to DICOM SEG and .seg.nrrd as an anatomical structure; none removes it.",
+     "label 2 cerebellum #40c060 code=SCT:113305005"},
     {COMMAND("label-file", act_label_file, GROUP_SEEDS, R),
      {NEED("FILE", VALUE_FILE, .is_read = true), KEYED("regions", VALUE_LIST, .most = UINT32_MAX),
       KEYED("as", VALUE_LIST, .least = 1, .most = UINT32_MAX)},
@@ -398,9 +401,8 @@ static const struct command command_table[] = {
      "here: use the present labels instead of a file, as if they had been saved and read, for "
      "exact corrections of objects that were grown. finished=yes: use the labels after `finish`; "
      "the default at a prompt is to use the labels on the screen.\n"
-     "The names and colours in a .seg.nrrd, .nii, .nii.gz, .mgz or DICOM SEG become those of "
-     "labels "
-     "that have none; the journal's copy contains them.\n"
+     "The names, codes and colours in a .seg.nrrd, .nii, .nii.gz, .mgz or DICOM SEG become those "
+     "of labels that have none; the journal's copy contains them.\n"
      "regions: use only these values of the map; the default is all. Other voxels are background. "
      "Where segments of DICOM overlap, the highest of these is used.\n"
      "as: the labels of `regions`, one for each. Without it, a value is the number of its label, "

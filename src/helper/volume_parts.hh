@@ -289,6 +289,9 @@ std::string about_file(const std::string &name, const std::string &what);
 /* Make a description of a series safe to print between quotes. */
 std::string description_of(const std::string &said);
 
+/* Compute the matrix from voxels to the world: rows, columns, first slice to last. */
+void place_series(Volume &volume, const std::vector<Slice> &slice);
+
 /* Choose one of the series of the slices, and arrange it. */
 void stack_slices(Volume &volume, const std::vector<Slice> &slices, const Request &request);
 

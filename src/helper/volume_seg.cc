@@ -34,11 +34,13 @@ static const gdcm::Tag class_tag(0x0008, 0x0016), charset_tag(0x0008, 0x0005),
     shared_tag(0x5200, 0x9229), each_tag(0x5200, 0x9230), segments_tag(0x0062, 0x0002),
     number_tag(0x0062, 0x0004), label_tag(0x0062, 0x0005), description_tag(0x0062, 0x0006),
     colour_tag(0x0062, 0x000d), identity_tag(0x0062, 0x000a), referenced_tag(0x0062, 0x000b),
-    type_tag(0x0062, 0x0001), most_tag(0x0062, 0x000e), pixels_tag(0x7fe0, 0x0010);
+    category_tag(0x0062, 0x0003), property_tag(0x0062, 0x000f), modifier_tag(0x0062, 0x0011),
+    region_tag(0x0008, 0x2218), type_tag(0x0062, 0x0001), most_tag(0x0062, 0x000e),
+    pixels_tag(0x7fe0, 0x0010);
 
 struct Frame {
     uint64_t plane;
-    unsigned number; /* its label; 0 in a LABELMAP */
+    unsigned number; /* its label; 0 in a LABELMAP, and if it is not chosen */
     uint64_t at;     /* in the file */
 };
 
@@ -103,6 +105,30 @@ static std::string colour_of(const gdcm::DataSet &segment)
     return words + " 1 1 1";
 }
 
+/* Text of an element in UTF-8, on one line. */
+static std::string line_of(const gdcm::DataSet &set, const gdcm::Tag &tag,
+                           const std::string &charset)
+{
+    std::string line = in_utf8(text_of(set, tag), charset);
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
+    return line;
+}
+
+/* Read the cells of a segment's code (show/label_table.h). */
+static std::string code_of(const gdcm::DataSet &segment, const std::string &charset)
+{
+    const gdcm::DataSet type = item_of(segment, property_tag, 0);
+    std::string words = "\t";
+    for (const uint16_t element : {uint16_t{0x0102}, uint16_t{0x0100}, uint16_t{0x0104}})
+        if (type.FindDataElement(gdcm::Tag(0x0008, element)))
+            words +=
+                (words.size() > 1 ? ":" : "") + line_of(type, gdcm::Tag(0x0008, element), charset);
+    return words + "\t" +
+           line_of(item_of(segment, category_tag, 0), gdcm::Tag(0x0008, 0x0100), charset) +
+           (type.FindDataElement(modifier_tag) || segment.FindDataElement(region_tag) ? "\tm" : "");
+}
+
 /* Read the segments: their numbers, and lines of names. In our files, a description "label N" is
  * the number of a label that has another one than its segment. */
 static void take_segments(Segments &segments, Volume &volume, const gdcm::DataSet &set)
@@ -117,7 +143,7 @@ static void take_segments(Segments &segments, Volume &volume, const gdcm::DataSe
         unsigned number = 0;
         take_binary(number, segment, number_tag);
         const std::string description = text_of(segment, description_tag);
-        std::string label = in_utf8(text_of(segment, label_tag), charset);
+        std::string label = line_of(segment, label_tag, charset);
         uint32_t of = number;
         if (is_ours && description.compare(0, 6, "label ") == 0 && description.size() <= 16 &&
             description.find_first_not_of("0123456789", 6) == std::string::npos) {
@@ -131,8 +157,7 @@ static void take_segments(Segments &segments, Volume &volume, const gdcm::DataSe
         label.resize(std::min(label.size(), label_most));
         if (label == "label " + std::to_string(of))
             label.clear();
-        std::replace_if(
-            label.begin(), label.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
+        label += code_of(segment, charset);
         std::string quoted;
         for (const char c : label)
             quoted += c == '"' ? std::string("\\\"") : std::string(1, c);
@@ -198,39 +223,44 @@ static void place_frames(Segments &segments, Volume &volume, const std::vector<S
                last = static_cast<size_t>(std::max_element(place.begin(), place.end()) -
                                           place.begin());
     const double mm = step > 0 ? step : 1;
-    const double steps = std::round((place[last] - place[first]) / mm);
-    double column[3];
-    for (int w = 0; w < 3; w++) {
-        const double from = slice[first].position[w];
-        column[w] = steps > 0 ? (slice[last].position[w] - from) / steps : normal[w] * mm;
-        const double sign = w < 2 ? -1 : 1;
-        volume.to_mm[w][0] = sign * whole.axis[w] * whole.spacing[1];
-        volume.to_mm[w][1] = sign * whole.axis[3 + w] * whole.spacing[0];
-        volume.to_mm[w][2] = sign * column[w];
-        volume.to_mm[w][3] = sign * from;
-    }
+    std::vector<Slice> planes(
+        static_cast<size_t>(std::round((place[last] - place[first]) / mm)) + 1, slice[first]);
+    planes.back() = slice[last];
+    planes[0].between = mm;
+    place_series(volume, planes);
     for (size_t f = 0; f < slice.size(); f++) {
         const double plane = std::round((place[f] - place[first]) / mm);
-        double off[3], along_normal = 0, apart = 0;
+        double apart = 0;
         for (int w = 0; w < 3; w++) {
-            off[w] = slice[f].position[w] - slice[first].position[w] - plane * column[w];
-            along_normal += off[w] * normal[w];
+            const double on_grid = volume.to_mm[w][3] + plane * volume.to_mm[w][2];
+            apart = std::max(apart, std::fabs(slice[f].position[w] - (w < 2 ? -1 : 1) * on_grid));
         }
-        for (int w = 0; w < 3; w++)
-            apart = std::max(apart, std::fabs(off[w] - along_normal * normal[w]));
-        if (!(apart <= off_most * std::min(whole.spacing[0], whole.spacing[1])))
+        if (!(apart <= off_most * std::min({whole.spacing[0], whole.spacing[1], mm})))
             refuse("its frames are not on one grid: frame %zu is up to %.3g mm off that of the "
                    "others",
                    f + 1, apart);
         segments.frames[f].plane = static_cast<uint64_t>(plane);
     }
-    volume.size[2] = static_cast<uint64_t>(steps) + 1;
+    volume.size[2] = planes.size();
     volume.known = ORIENTATION | CLOSELY_PACKED | (step > 0 ? SPACING : 0u);
+}
+
+/* True for a number in a list, "3,5-7", or without a list. */
+static bool is_listed(const std::string &list, uint32_t number)
+{
+    bool is_in = list.empty();
+    char *end;
+    for (const char *at = list.c_str(); *at; at = *end ? end + 1 : end) {
+        const unsigned long first = std::strtoul(at, &end, 10),
+                            last = *end == '-' ? std::strtoul(end + 1, &end, 10) : first;
+        is_in |= number >= first && number <= last;
+    }
+    return is_in;
 }
 
 /* Read the groups of each frame. */
 static void take_frames(Segments &segments, Volume &volume, const gdcm::DataSet &set,
-                        uint32_t step_nm)
+                        const Request &request)
 {
     Slice &whole = segments.whole;
     gdcm::SmartPointer<gdcm::SequenceOfItems> items;
@@ -270,11 +300,12 @@ static void take_frames(Segments &segments, Volume &volume, const gdcm::DataSet 
                 std::fabs(own.spacing[i % 2] - slice[0].spacing[i % 2]) > 1e-3 * own.spacing[i % 2])
                 refuse("frame %zu of its segments has other axes or another spacing than the first",
                        f + 1);
-        segments.frames.push_back({0, segments.is_map ? 0 : of->second, f});
+        const bool is_chosen = !segments.is_map && is_listed(request.segments, of->second);
+        segments.frames.push_back({0, is_chosen ? of->second : 0, f});
         slice.push_back(own);
     }
     whole = slice[0];
-    place_frames(segments, volume, slice, step_nm);
+    place_frames(segments, volume, slice, static_cast<uint32_t>(request.step_nm));
     std::stable_sort(segments.frames.begin(), segments.frames.end(),
                      [](const Frame &a, const Frame &b) {
                          return a.plane != b.plane ? a.plane < b.plane : a.number < b.number;
@@ -305,11 +336,11 @@ static const char *read_frame(Segments &segments, uint64_t frame, unsigned &shif
 static void put(Segments &segments, size_t at, uint32_t number)
 {
     uint32_t &held = segments.plane[at];
-    if (held && held != number && !segments.is_twice[at]) {
+    if (number && held && held != number && !segments.is_twice[at]) {
         segments.overlaps++;
         segments.is_twice[at] = true;
     }
-    held = number;
+    held = number ? number : held;
 }
 
 /* Add a frame to the plane. */
@@ -451,30 +482,6 @@ static void take_type(Segments &segments, const gdcm::DataSet &set, const Reques
     segments.least = is_fractional ? (request.threshold * uint64_t{most} + 999) / 1000 : 1;
 }
 
-/* Choose segments by the numbers of their labels: "3,5-7". */
-static void choose_frames(Segments &segments, const std::string &list)
-{
-    std::vector<std::pair<uint32_t, uint32_t>> ranges;
-    for (const char *at = list.c_str(); *at; at += *at == ',') {
-        char *end;
-        const unsigned long first = std::strtoul(at, &end, 10);
-        const unsigned long last = *end == '-' ? std::strtoul(end + 1, &end, 10) : first;
-        if (end == at || (*end && *end != ','))
-            refuse("segments that are no list of numbers");
-        ranges.emplace_back(first, last);
-        at = end;
-    }
-    const auto is_left_out = [&ranges](const Frame &frame) {
-        return std::none_of(ranges.begin(), ranges.end(), [&frame](const auto &range) {
-            return frame.number >= range.first && frame.number <= range.second;
-        });
-    };
-    if (!list.empty() && !segments.is_map)
-        segments.frames.erase(
-            std::remove_if(segments.frames.begin(), segments.frames.end(), is_left_out),
-            segments.frames.end());
-}
-
 bool open_segments(Volume &volume, const Request &request)
 {
     const auto segments = std::make_shared<Segments>();
@@ -497,7 +504,7 @@ bool open_segments(Volume &volume, const Request &request)
     segments->whole.path = request.path;
     take_type(*segments, set, request);
     take_segments(*segments, volume, set);
-    take_frames(*segments, volume, set, static_cast<uint32_t>(request.step_nm));
+    take_frames(*segments, volume, set, request);
     find_pixels(segments->whole, *segments->in,
                 whole.GetFile().GetHeader().GetDataSetTransferSyntax());
     Slice &pixels = segments->whole;
@@ -508,7 +515,6 @@ bool open_segments(Volume &volume, const Request &request)
                "FILE PLAIN` or gdcmconv --raw makes them plain");
     if (pixels.is_packed && !read_pixels(segments->unpacked, pixels))
         refuse("a segmentation (DICOM SEG) whose pixels cannot be unpacked");
-    choose_frames(*segments, request.segments);
     uint32_t most = 0;
     for (const auto &number : segments->numbers)
         most = std::max(most, number.second);

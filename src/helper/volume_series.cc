@@ -437,7 +437,6 @@ void close_gaps(std::vector<Slice> &slice, const Gaps &gaps, bool fills_gaps, Vo
     note(volume, words_of("%s: blank in their places", listed(gaps).c_str()));
 }
 
-/* Compute the matrix from voxels to the world: rows, columns, first slice to last. */
 void place_series(Volume &volume, const std::vector<Slice> &slice)
 {
     const Slice &first = slice.front(), &last = slice.back();

@@ -10,6 +10,8 @@
  * The same map of the same series yields the same bytes. UIDs are 2.25.N, where N is a digest of
  * the contents. DICOM requires a date: without a time, it is 1 January 1900.
  */
+#include <endian.h>
+#include <inttypes.h>
 #include <math.h>
 #include <nettle/sha2.h>
 #include <stdlib.h>
@@ -243,26 +245,15 @@ static void fill_frames(void *context, uint32_t y, uint32_t z, void *bytes)
 
 /* ---- the data set ---- */
 
-/* Write a UID of the contents: 2.25.N, of 128 bits. */
+/* Write a UID of the contents: 2.25.N, N of 128 bits: the decimal digits of two halves. */
 static void make_uid(char uid[UID_BYTES], const struct sha256_ctx *contents, uint8_t purpose)
 {
     struct sha256_ctx sha = *contents;
-    uint8_t digest[16];
-    char digits[40], *at = digits + sizeof digits - 1;
+    uint64_t half[2];
     sha256_update(&sha, 1, &purpose);
-    sha256_digest(&sha, sizeof digest, digest);
-    digest[0] |= 0x80; /* no leading zero */
-    *at = '\0';
-    for (int n = 0; n < 39; n++) {
-        unsigned rest = 0;
-        for (size_t i = 0; i < sizeof digest; i++) {
-            const unsigned number = rest << 8 | digest[i];
-            digest[i] = (uint8_t)(number / 10);
-            rest = number % 10;
-        }
-        *--at = (char)('0' + rest);
-    }
-    snprintf(uid, UID_BYTES, "2.25.%s", at);
+    sha256_digest(&sha, sizeof half, (uint8_t *)half);
+    snprintf(uid, UID_BYTES, "2.25.%" PRIu64 "%019" PRIu64, be64toh(half[0]) | UINT64_C(1) << 63,
+             be64toh(half[1]) % UINT64_C(10000000000000000000));
 }
 
 /* Convert sRGB to CIELab relative to D50, in the numbers of DICOM. */
@@ -289,19 +280,24 @@ static void add_colour(struct buf *out, const uint8_t rgb[3])
 
 static void add_segments(struct buf *out, const struct segments *segments)
 {
-    static const char tissue[] = "00080100SH85756007\n00080102SHSCT\n00080104LOTissue\n]\n";
+    static const char code[] = "00080100SH%s\n00080102SH%s\n00080104LO%s\n]\n";
     buf_add_text(out, "00620002SQ\n");
     for (unsigned s = 0; s < segments->count; s++) {
         const struct volume_label *label = &segments->map->label[segments->label[s]];
-        char number[24];
+        char number[24], part[3][CODE_PART_BYTES] = {"SCT", "85756007", "Tissue"};
         snprintf(number, sizeof number, "label %u", label->number);
-        buf_printf(out, "%s00620003SQ\n%s00620004US%u\n00620005LO%s\n", s ? ";\n" : "", tissue,
-                   s + 1, *label->name ? label->name : number);
+        if (*label->code)
+            names_split_code(part, label);
+        buf_add_text(out, s ? ";\n00620003SQ\n" : "00620003SQ\n");
+        buf_printf(out, code, *label->code ? "123037004" : part[1], "SCT",
+                   *label->code ? "Anatomical Structure" : part[2]);
+        buf_printf(out, "00620004US%u\n00620005LO%s\n", s + 1, *label->name ? label->name : number);
         if (label->number != s + 1)
             buf_printf(out, "00620006ST%s\n", number);
         buf_add_text(out, "00620008CSSEMIAUTOMATIC\n00620009LOiftty\n");
         add_colour(out, label->rgb);
-        buf_printf(out, "0062000fSQ\n%s", tissue);
+        buf_add_text(out, "0062000fSQ\n");
+        buf_printf(out, code, part[1], part[0], part[2]);
     }
     buf_add_text(out, "]\n");
 }

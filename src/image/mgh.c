@@ -221,7 +221,7 @@ static bool take_table(struct buf *names, struct volume_source *source, struct f
         if (fits && number > 0)
             names_add(names, (uint32_t)number,
                       (const uint8_t[]){(uint8_t)part[0], (uint8_t)part[1], (uint8_t)part[2]}, text,
-                      strlen(text));
+                      strlen(text), "");
     }
     return fits;
 }

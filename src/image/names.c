@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "image/names.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "base/mem.h"
 #include "base/scan.h"
 
 void names_add(struct buf *names, uint32_t number, const uint8_t rgb[3], const char *name,
-               size_t length)
+               size_t length, const char *code)
 {
     buf_printf(names, "%u ", number);
     if (rgb)
@@ -16,9 +17,19 @@ void names_add(struct buf *names, uint32_t number, const uint8_t rgb[3], const c
     for (size_t i = 0; i < length; i++) {
         if (name[i] == '"')
             buf_add_char(names, '\\');
-        buf_add_char(names, name[i] && name[i] != '\n' && name[i] != '\r' ? name[i] : ' ');
+        buf_add_char(names, strchr("\t\n\r", name[i]) ? ' ' : name[i]);
     }
-    buf_add_text(names, "\"\n");
+    buf_printf(names, *code ? "\t%s\"\n" : "%s\"\n", code);
+}
+
+void names_split_code(char part[3][CODE_PART_BYTES], const struct volume_label *label)
+{
+    *part[2] = '\0';
+    sscanf(label->code, "%16[^:]:%16[^:]:%64[^\n]", part[0], part[1], part[2]);
+    if (!*part[2])
+        snprintf(part[2], sizeof part[2], "%s", *label->name ? label->name : part[1]);
+    for (char *c = part[2]; (c = strpbrk(c, CODE_EXCLUDES));)
+        *c = '_';
 }
 
 bool names_scan_part(const char **at, uint8_t *part)
@@ -111,6 +122,10 @@ static const char *read_label(struct buf *names, struct buf *name, const char *a
     uint8_t rgb[3];
     bool has_colour = true;
     int64_t number = -1;
+    char code[128] = "";
+    const char *of = find_attribute(at, close, "Code");
+    for (size_t i = 0; of && of < close && *of != '"' && i < sizeof code - 1; i++)
+        code[i] = *of++;
     for (int k = 0; k < 3; k++) {
         const char *value = find_attribute(at, close, part[k]);
         has_colour = has_colour && value && names_scan_part(&value, &rgb[k]);
@@ -121,7 +136,7 @@ static const char *read_label(struct buf *names, struct buf *name, const char *a
     if (!key || !scan_integer(&key, 0, UINT32_MAX, &number) || name->failed ||
         (number == 0 && strcmp(buf_text(name), "???") == 0))
         return at;
-    names_add(names, (uint32_t)number, has_colour ? rgb : NULL, buf_text(name), name->length);
+    names_add(names, (uint32_t)number, has_colour ? rgb : NULL, buf_text(name), name->length, code);
     return at;
 }
 
@@ -167,7 +182,8 @@ void names_write_xml(struct buf *out, const struct volume_label label[256])
         const struct volume_label *of = &label[l];
         buf_printf(out, "   <Label Key=\"%u\" Red=\"%.6f\" Green=\"%.6f\" Blue=\"%.6f\" ",
                    of->number, of->rgb[0] / 255.0, of->rgb[1] / 255.0, of->rgb[2] / 255.0);
-        buf_add_text(out, "Alpha=\"1\"><![CDATA[");
+        buf_printf(out, *of->code ? "Alpha=\"1\" Code=\"%s\"><![CDATA[" : "Alpha=\"1\"%s><![CDATA[",
+                   of->code);
         for (const char *c = of->name; *c; c++) {
             if (*c == '>' && c > of->name + 1 && c[-1] == ']' && c[-2] == ']')
                 buf_add_text(out, "]]><![CDATA[");

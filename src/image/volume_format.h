@@ -168,9 +168,9 @@ struct volume_header {
     uint32_t made[3];            /* the size of the result of volume_take */
 };
 
-/* Name and colour of a label of a map. */
+/* Name, code and colour of a label of a map. */
 struct volume_label {
-    const char *name; /* "" for none */
+    const char *name, *code; /* "" for none; a code is "SCHEME:VALUE[:MEANING]" */
     uint8_t rgb[3];
     uint32_t number; /* value of its voxels in the map; 0 for the background, and for none */
     bool used;       /* a voxel has it */

@@ -239,6 +239,7 @@ static unsigned host_labels(void *context, struct pilot_label out[PILOT_LABELS])
             label_report_write_extent(&volume, session, voxels[label]);
         snprintf(row->name, sizeof row->name, "%s", kept->label_name[label]);
         snprintf(row->volume, sizeof row->volume, "%s", buf_text(&volume));
+        snprintf(row->code, sizeof row->code, "%s", kept->label_code[label]);
         count++;
     }
     return count;

@@ -227,6 +227,7 @@ static int take_named(struct kept *kept, uint32_t number, const bool planted[LAB
     if (label == LABELS)
         return NUMBER_UNKNOWN;
     memset(kept->label_name[label], 0, LABEL_NAME_BYTES);
+    memset(kept->label_code[label], 0, LABEL_CODE_BYTES);
     kept->label_number[label] = number;
     return label;
 }

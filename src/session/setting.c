@@ -211,6 +211,7 @@ static const struct state_field {
     }
     FIELD(kept.palette, MADE_COLOURS),
     FIELD(kept.label_name, 0),
+    FIELD(kept.label_code, 0),
     FIELD(kept.label_number, 0),
     FIELD(kept.label_is_region, 0),
     FIELD(kept.visible, MADE_BORDER),

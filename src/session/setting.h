@@ -88,6 +88,7 @@ struct parameter {
     bool is_scene; /* the scene */
     bool is_kept;  /* WORD: numbers, a digest or a name that other commands use, which `log
                       --anonymise` keeps; any other word may be personal */
+    bool is_code;  /* WORD: a code (label_code_fits), kept without its meaning */
     bool paired;   /* given if and only if the value before it is not one of the choices there */
     bool makes;    /* LABEL: no label may have the number yet */
     bool added;    /* keyed; added to the record if the line lacks it */

@@ -9,7 +9,7 @@
  * The planted seeds belong to the state too, but only their changes are stored: the edits that lead
  * from one state to another (session_go). Everything else in a session follows from its state.
  *
- * A state is copied by assignment and has about 11 kB. Data as large as the scene is shared,
+ * A state is copied by assignment and has about 40 kB. Data as large as the scene is shared,
  * immutable and counted. A copy borrows; state_assign makes an owner.
  */
 #ifndef SESSION_STATE_H
@@ -107,7 +107,8 @@ size_t edit_lists_memory(const struct edit_lists *lists);
 
 /* ---- states ---- */
 
-enum { LABEL_NAME_BYTES = 32, FILE_WORDS_BYTES = 128, LANDMARK_NAME_BYTES = 32, LANDMARKS = 64 };
+enum { LABEL_NAME_BYTES = 32, LABEL_CODE_BYTES = 104, FILE_WORDS_BYTES = 128 };
+enum { LANDMARK_NAME_BYTES = 32, LANDMARKS = 64 };
 
 /* A place of the patient that can be found in other scenes too; its name is padded with zeros.
  * */
@@ -128,6 +129,7 @@ struct kept_channel {
 struct kept {
     struct palette palette;
     char label_name[256][LABEL_NAME_BYTES]; /* "" for none; padded with zeros */
+    char label_code[256][LABEL_CODE_BYTES]; /* "SCHEME:VALUE[:MEANING]"; likewise */
     uint32_t label_number[256]; /* number of each label; all 0: the label itself (session/map.h) */
     bool label_is_region[256];  /* the label is a region of a file */
     bool visible[256];

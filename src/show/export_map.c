@@ -77,6 +77,7 @@ void export_labels(struct volume_label label[256], const struct kept *kept)
     numbering_fill(number, kept);
     for (int l = 0; l < 256; l++) {
         label[l].name = kept->label_name[l];
+        label[l].code = kept->label_code[l];
         label[l].number = number[l];
         label[l].used = false;
         memcpy(label[l].rgb, kept->palette.rgb[l], sizeof label[l].rgb);

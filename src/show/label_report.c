@@ -388,6 +388,7 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
         json_object(&json, NULL);
         json_count(&json, "number", report->label_number[label]);
         json_text(&json, "name", report->label_name[label]);
+        json_text(&json, "code", report->label_code[label]);
         figures_write_json(&json, &f);
         json_end(&json);
     }

@@ -69,6 +69,7 @@ struct label_report {
     const uint64_t *gained, *lost;              /* [256], by the last edit; NULL: not known, */
     const uint64_t *before;                     /* [256], voxels before it; NULL: not known */
     const char (*label_name)[LABEL_NAME_BYTES]; /* [256] */
+    const char (*label_code)[LABEL_CODE_BYTES]; /* [256] */
     const uint32_t *label_number;               /* [256] (numbering_fill) */
     const struct geometry *geometry;
     const struct levels *levels; /* the session's */

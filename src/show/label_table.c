@@ -11,6 +11,7 @@
 #include "base/mem.h"
 #include "base/safe.h"
 #include "base/scan.h"
+#include "image/names.h"
 #include "session/map.h"
 
 enum { LUT_BYTES = 768, NAME_MOST = LABEL_NAME_BYTES - 1, LABELS = 256 };
@@ -55,6 +56,22 @@ bool label_name_fits(const char *name)
            name[length - 1] != ' ' && *safe_end(name) == '\0' && !strpbrk(name, "=\\");
 }
 
+size_t label_code_value(const char *code)
+{
+    int end = 0;
+    sscanf(code, "%*16[A-Za-z0-9._+/-]:%*16[A-Za-z0-9._+/-]%n", &end);
+    return code[end] && code[end] != ':' ? 0 : (size_t)end;
+}
+
+bool label_code_fits(const char *code)
+{
+    const size_t value = label_code_value(code);
+    const char *meaning = code + value + 1;
+    return value && (!code[value] || (*meaning && *meaning != ' ' && strlen(meaning) <= 64 &&
+                                      meaning[strlen(meaning) - 1] != ' ' &&
+                                      !strpbrk(meaning, CODE_EXCLUDES) && !*safe_end(meaning)));
+}
+
 /* Write a name with _ for invalid characters. */
 static void write_fit(struct buf *out, const char *name, size_t length)
 {
@@ -78,13 +95,50 @@ static size_t character_at(const char *text, size_t at, int step)
     return at;
 }
 
+/* Cut the first cell off a line; false at its end. */
+static bool take_cell(struct part *line, struct part *cell)
+{
+    if (!line->at)
+        return false;
+    const char *tab = memchr(line->at, '\t', (size_t)(line->end - line->at));
+    *cell = trimmed((struct part){line->at, tab ? tab : line->end});
+    line->at = tab ? tab + 1 : NULL;
+    return true;
+}
+
+static bool part_is(struct part part, const char *word)
+{
+    return (size_t)(part.end - part.at) == strlen(word) && memcmp(part.at, word, strlen(word)) == 0;
+}
+
+/* Take the cells after a name, and cut them off it. */
+static void take_code(struct label_entry *entry, struct part *name)
+{
+    struct part rest = *name, cell = {name->end, name->end};
+    char *code = entry->code;
+    if (!take_cell(&rest, name) || !take_cell(&rest, &cell))
+        return;
+    snprintf(code, sizeof entry->code, "%.*s", (int)(cell.end - cell.at), cell.at);
+    entry->is_partial = *code && !label_code_fits(code);
+    const size_t value = label_code_value(code);
+    if (entry->is_partial || part_is(*name, code + value + 1))
+        memset(code + value, 0, sizeof entry->code - value);
+    if (strncmp(code, "SCT:85756007", 12) == 0)
+        memset(code, 0, sizeof entry->code);
+    entry->is_partial |= take_cell(&rest, &cell) && cell.at < cell.end &&
+                         !part_is(cell, "123037004") && !part_is(cell, "85756007");
+    entry->is_partial |= take_cell(&rest, &cell);
+}
+
 static enum err take_name(struct label_entry *entry, struct part name, struct fault *fault)
 {
     OWNED(buf_release) struct buf plain = {0}, fit = {0};
     name = trimmed(name);
     const bool is_quoted = name.end - name.at > 1 && name.at[0] == '"' && name.end[-1] == '"';
-    if (is_quoted)
-        name = trimmed((struct part){name.at + 1, name.end - 1});
+    if (is_quoted) {
+        name = (struct part){name.at + 1, name.end - 1};
+        take_code(entry, &name);
+    }
     for (; name.at < name.end; name.at++) { /* without the backslash before a quote */
         name.at += is_quoted && name.at[0] == '\\' && name.at + 1 < name.end && name.at[1] == '"';
         buf_add_char(&plain, *name.at);
@@ -192,22 +246,6 @@ static bool scan_named(struct part line, struct label_entry *entry, struct part 
  *     17      left amygdala    lAMY           #67ffff
  */
 enum column { INDEX, NAME, COLOUR, COLUMNS };
-
-/* Cut the first cell off a line; false at its end. */
-static bool take_cell(struct part *line, struct part *cell)
-{
-    if (!line->at)
-        return false;
-    const char *tab = memchr(line->at, '\t', (size_t)(line->end - line->at));
-    *cell = trimmed((struct part){line->at, tab ? tab : line->end});
-    line->at = tab ? tab + 1 : NULL;
-    return true;
-}
-
-static bool part_is(struct part part, const char *word)
-{
-    return (size_t)(part.end - part.at) == strlen(word) && memcmp(part.at, word, strlen(word)) == 0;
-}
 
 /* Find the columns by their names; false for a line of another format. */
 static bool find_columns(int column[COLUMNS], struct part line)
@@ -326,8 +364,8 @@ enum err label_table_read_lut(struct label_table *table, const uint8_t *bytes, s
                          "nothing has changed",
                          length, LUT_BYTES);
     for (uint32_t l = 1; l < LABELS; l++) {
-        const struct label_entry entry = {
-            l, true, false, {bytes[l], bytes[LABELS + l], bytes[2 * LABELS + l]}, ""};
+        const uint8_t rgb[3] = {bytes[l], bytes[LABELS + l], bytes[2 * LABELS + l]};
+        const struct label_entry entry = {l, true, false, {rgb[0], rgb[1], rgb[2]}, "", "", false};
         if (!add_entry(table, &entry)) {
             label_table_release(table);
             return fault_memory(fault, "a table of labels");
@@ -345,6 +383,10 @@ static void take_entry(struct kept *kept, struct label_tally *tally,
     if (entry->has_colour) {
         memcpy(kept->palette.rgb[label], entry->rgb, sizeof entry->rgb);
         tally->colours++;
+    }
+    if (*entry->code) {
+        memcpy(kept->label_code[label], entry->code, LABEL_CODE_BYTES);
+        tally->codes++;
     }
     if (!*entry->name)
         return;
@@ -409,6 +451,8 @@ void label_table_fill(struct kept *kept, struct label_tally *tally, const struct
         const uint8_t *rgb = kept->palette.rgb[entry.number];
         if (*kept->label_name[entry.number])
             *entry.name = '\0';
+        if (*kept->label_code[entry.number])
+            *entry.code = '\0';
         entry.has_colour = entry.has_colour &&
                            memcmp(rgb, usual.rgb[entry.number], sizeof entry.rgb) == 0 &&
                            memcmp(rgb, entry.rgb, sizeof entry.rgb) != 0;
@@ -424,6 +468,8 @@ uint64_t label_table_digest(const struct kept *kept)
         uint64_t mix = hash_mix_at(l, (uint64_t)rgb[0] << 16 | (uint64_t)rgb[1] << 8 | rgb[2]);
         for (const char *c = kept->label_name[l]; *c; c++)
             mix = hash_mix_at(mix, (unsigned char)*c);
+        for (const char *c = kept->label_code[l]; *c; c++)
+            mix = hash_mix_at(~mix, (unsigned char)*c);
         sum += mix;
     }
     return sum;

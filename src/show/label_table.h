@@ -16,6 +16,11 @@
  * its middle, since sides are at the end: "Superior_fronto-occ~al_capsule)_R". Changed names are
  * counted.
  *
+ * A name in our own tables (image/names.h) may have further cells in its quotes, with tabs between
+ * them: a code (label_code_fits), the value of its category, and a last one if the file has more.
+ * The code alone is kept. Tissue and anatomical structures are the usual categories. Programs write
+ * tissue as the code of a label without one; it is dropped.
+ *
  * The functions convert memory; the caller finds, reads and writes files.
  */
 #ifndef REPORT_LABEL_TABLE_H
@@ -29,11 +34,18 @@
  * blank at its ends, no # at its beginning, and not a number. */
 bool label_name_fits(const char *name);
 
+/* True for a code "SCHEME:VALUE[:MEANING]": both of 1 to 16 letters, digits and ._+/-, the meaning
+ * of 1 to 64 bytes of printable UTF-8 without CODE_EXCLUDES, no blank at its ends. */
+bool label_code_fits(const char *code);
+size_t label_code_value(const char *code); /* bytes up to the meaning; 0 if it does not fit */
+
 struct label_entry {
     uint32_t number;
     bool has_colour, changed; /* changed: its name differs from the file */
     uint8_t rgb[3];
     char name[LABEL_NAME_BYTES]; /* "": no name */
+    char code[LABEL_CODE_BYTES]; /* "": no code */
+    bool is_partial;             /* the file has more than the code */
 };
 
 struct label_table {
@@ -53,9 +65,9 @@ enum err label_table_read_lut(struct label_table *table, const uint8_t *bytes, s
 
 /* Result of applying a table. */
 struct label_tally {
-    unsigned names, colours; /* names and colours that were set */
-    unsigned beyond;         /* entries whose label does not exist, or was not chosen */
-    unsigned changed;        /* names that were changed; the first: */
+    unsigned names, colours, codes; /* that were set */
+    unsigned beyond;                /* entries whose label does not exist, or was not chosen */
+    unsigned changed;               /* names that were changed; the first: */
     uint8_t first_changed;
 };
 
@@ -66,12 +78,12 @@ enum err label_table_apply(struct kept *kept, struct label_tally *tally,
                            const struct label_table *table, const struct regions *regions,
                            struct fault *fault);
 
-/* Set the names of labels that have none, and the colours of labels that have those of
+/* Set the names and codes of labels that have none, and the colours of labels that have those of
  * palette_default; the number of each entry is its label. */
 void label_table_fill(struct kept *kept, struct label_tally *tally,
                       const struct label_table *table);
 
-/* Digest of names and colours of labels 1..255: a sum mod 2^64. */
+/* Digest of names, codes and colours of labels 1..255: a sum mod 2^64. */
 uint64_t label_table_digest(const struct kept *kept);
 
 enum label_table_format {

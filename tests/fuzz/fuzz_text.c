@@ -70,6 +70,10 @@ static void check_names(const struct kept *kept)
         for (size_t i = length; i < LABEL_NAME_BYTES; i++)
             HOLDS(name[i] == '\0');
         HOLDS(!*name || label_name_fits(name));
+        const char *code = kept->label_code[l];
+        HOLDS(!*code || label_code_fits(code));
+        for (size_t i = strnlen(code, LABEL_CODE_BYTES); i < LABEL_CODE_BYTES; i++)
+            HOLDS(code[i] == '\0');
     }
 }
 

@@ -140,6 +140,7 @@ def make():
     hurt("between", lambda s: move(s, 0.4 * LPS[:3, :3] @ PLACE[:3, 2]))
     hurt("far", lambda s: move(s, 1e5 * LPS[:3, :3] @ PLACE[:3, 2]))
     hurt("endless", lambda s: move(s, [1e300, 0, 0]))
+    hurt("coded", recode)
     hurt("twice", lambda s: setattr(s.SegmentSequence[1], "SegmentNumber", 1))
     hurt("none", lambda s: delattr(s, "SegmentSequence"))
     hurt("kind", lambda s: setattr(s, "SegmentationType", "OTHER"))
@@ -158,6 +159,17 @@ def move(seg, by):
         for a, b in zip(place.ImagePositionPatient, by)]
 
 
+def recode(seg):
+    """A code with a modifier, one of another category, one that does not fit, in this order."""
+    first, second, third = seg.SegmentSequence
+    first.SegmentedPropertyTypeCodeSequence[0].SegmentedPropertyTypeModifierCodeSequence = \
+        Sequence([code("7771000", "SCT", "Left")])
+    second.SegmentedPropertyCategoryCodeSequence = Sequence([
+        code("49755003", "SCT", "Morphologically Altered Structure")])
+    second.SegmentedPropertyTypeCodeSequence = Sequence([code("M-01000", "SRT", "A|B & C")])
+    third.SegmentedPropertyTypeCodeSequence = Sequence([code("1 2", "SCT", "Spleen")])
+
+
 def hurt(name, change):
     one = pydicom.dcmread("binary.dcm")
     change(one)
@@ -174,7 +186,10 @@ def read(path, of, series=None):
     for segment in seg.SegmentSequence:
         number = int(segment.get("SegmentDescription", "label %d" % segment.SegmentNumber)[6:])
         numbers[segment.SegmentNumber] = number
-        print(number, segment.SegmentLabel, list(segment.RecommendedDisplayCIELabValue))
+        print(number, segment.SegmentLabel, list(segment.RecommendedDisplayCIELabValue), *(
+            word for kind in ("Category", "Type")
+            for one in segment["SegmentedProperty%sCodeSequence" % kind]
+            for word in (one.CodingSchemeDesignator, one.CodeValue, one.CodeMeaning)), sep="|")
     frames = seg.pixel_array.reshape(-1, seg.Rows, seg.Columns)
     shared = seg.SharedFunctionalGroupsSequence[0]
     axes = numpy.array(shared.PlaneOrientationSequence[0].ImageOrientationPatient, float)

@@ -76,12 +76,13 @@ struct pilot_way {
     uint32_t edge[3]; /* which leads into this voxel */
 };
 
-enum { PILOT_LABELS = 256, PILOT_NAME_BYTES = 32 };
+enum { PILOT_LABELS = 256, PILOT_NAME_BYTES = 32, PILOT_CODE_BYTES = 104 };
 
 /* A label, in a list. */
 struct pilot_label {
     uint32_t number;
     char name[PILOT_NAME_BYTES], volume[PILOT_NAME_BYTES]; /* in words; "" for none */
+    char code[PILOT_CODE_BYTES];                           /* "SCT:10200004"; likewise */
     uint8_t rgb[3];
     bool is_hidden;
 };

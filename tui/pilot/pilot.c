@@ -772,7 +772,7 @@ static enum err ask_for_pasted(struct pilot *p, struct fault *fault)
 
 /* ---- the list of labels ---- */
 
-/* Add "> ## 12  liver  1.64 l  hidden  brush", with a box of the label's colour. */
+/* Add "> ## 12  liver  1.64 l  hidden  brush  SCT:10200004", with a box of the label's colour. */
 static void add_label_row(struct buf *out, const struct pilot *p, const struct pilot_label *label,
                           bool is_chosen)
 {
@@ -781,10 +781,10 @@ static void add_label_row(struct buf *out, const struct pilot *p, const struct p
     buf_add_text(out, is_chosen ? "> " : "  ");
     if (p->facts->colours == COLOURS_24BIT)
         buf_printf(out, "\033[48;2;%u;%u;%um  \033[m", c[0], c[1], c[2]);
-    buf_printf(out, " %5u  %s%*s %10s%s%s", label->number, name,
+    buf_printf(out, " %5u  %s%*s %10s%s%s  %s", label->number, name,
                32 - (int)cells_width(name, strlen(name)), "", label->volume,
                label->is_hidden ? "  hidden" : "",
-               label->number == p->state->brush.label ? "  brush" : "");
+               label->number == p->state->brush.label ? "  brush" : "", label->code);
 }
 
 static enum err draw_labels(struct pilot *p, const struct pilot_label *label, size_t count,
