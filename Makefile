@@ -153,6 +153,10 @@ FUZZ          := $(notdir $(wildcard tests/fuzz/corpus/*))
 FUZZ_SECONDS  ?= 60
 FUZZ_SANITISE := -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
 FUZZ_TARGETS  := tests/fuzz/targets.c $(wildcard tests/fuzz/fuzz_*.c)
+FUZZ_VOLUME   := $(BUILD)/tests/fuzz/fuzz_seg.o \
+                 $(patsubst %,$(BUILD)/src/helper/volume_%.o,seg dicom answer series tags bytes \
+                   names)
+FUZZ_LIBS     := -lgdcmMSFF -lgdcmDSED -lgdcmDICT -lgdcmCommon
 FUZZ_TARGETS  := $(FUZZ_TARGETS:%.c=$(BUILD)/%.o)
 FUZZ_REPLAY   := $(BUILD)/tests/fuzz/replay
 FUZZER        := $(BUILD)/libfuzzer/fuzz
@@ -238,7 +242,7 @@ test-report: all build/.packages-report
 
 ## fuzz: run libFuzzer on the readers; FUZZ_SECONDS=60 each; FUZZ=journal: one of them
 fuzz: build/.packages-matrix
-	@$(MAKE) VARIANT=fuzz CC=clang OPTIMISE=-O1 SANITISE="$(FUZZ_SANITISE)" fuzzer
+	@$(MAKE) VARIANT=fuzz CC=clang CXX=clang++ OPTIMISE=-O1 SANITISE="$(FUZZ_SANITISE)" fuzzer
 	@for name in $(FUZZ); do mkdir -p build/fuzz/corpus/$$name && \
 	    FUZZ_TARGET=$$name build/fuzz/libfuzzer/fuzz -max_total_time=$(FUZZ_SECONDS) -timeout=20 \
 	        -max_len=8192 -rss_limit_mb=4096 -print_final_stats=1 \
@@ -424,9 +428,10 @@ build/.packages-volume: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(VOLUME_PACKAGES) --
 	@touch $@
 
-$(VOLUME_PARTS): HELPER_FLAGS = $(VOLUME_FLAGS)
+$(VOLUME_PARTS) $(BUILD)/tests/fuzz/fuzz_seg.o: HELPER_FLAGS = $(VOLUME_FLAGS)
 $(REGISTER_PARTS): HELPER_FLAGS = $(REGISTER_FLAGS)
-$(VOLUME_PARTS) $(REGISTER_PARTS): $(BUILD)/%.o: %.cc | build/.packages-volume
+$(VOLUME_PARTS) $(REGISTER_PARTS) $(BUILD)/tests/fuzz/fuzz_seg.o: \
+    $(BUILD)/%.o: %.cc | build/.packages-volume
 	@mkdir -p $(@D)
 	$(say) "compile   $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(HELPER_FLAGS) -c -o $@ $<
@@ -476,13 +481,13 @@ $(BUILD)/tests/%: $(BUILD)/tests/%.o $(LIBRARY)
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $(filter %.o,$^) $(LIBRARY) $(LIBS)
 
 fuzzer: $(FUZZER)
-$(FUZZ_REPLAY): $(BUILD)/tests/fuzz/replay.o $(FUZZ_TARGETS) $(LIBRARY)
+$(FUZZ_REPLAY): $(BUILD)/tests/fuzz/replay.o $(FUZZ_TARGETS) $(FUZZ_VOLUME) $(LIBRARY)
 	$(say) "link      $@"
-	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
-$(FUZZER): $(FUZZ_TARGETS) $(LIBRARY)
+	$(Q)$(CXX) $(ALL_LDFLAGS) -o $@ $^ $(LIBS) $(FUZZ_LIBS)
+$(FUZZER): $(FUZZ_TARGETS) $(FUZZ_VOLUME) $(LIBRARY)
 	@mkdir -p $(@D)
 	$(say) "link      $@"
-	$(Q)$(CC) -fsanitize=fuzzer $(ALL_LDFLAGS) -o $@ $^ $(LIBS)
+	$(Q)$(CXX) -fsanitize=fuzzer $(ALL_LDFLAGS) -o $@ $^ $(LIBS) $(FUZZ_LIBS)
 
 build/.packages-test: Makefile | $(PACKAGES_STAMP)
 	@.ci/packages $(TEST_PACKAGES) -- $(FORMATTER) $(LESSONS) $(HEIC)

@@ -95,6 +95,8 @@ while [ $at -lt "$(wc -c <binary.dcm)" ]; do
     at=$((at + 331))
 done
 same "$bad of $count are refused" "$count of $count are refused"
+"$PYTHON" -B "$top/tests/volumes/seg.py" corpus # that of the fuzz target
+expect 0 "$build/tests/fuzz/replay" seg 0 bad-*.dcm cut-pixels.dcm corpus/* </dev/null
 "$PYTHON" -B "$top/tests/volumes/seg.py" damage binary.dcm
 for name in damaged-*; do
     may_open "$name" "open ct; labels $name"

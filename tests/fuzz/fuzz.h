@@ -18,7 +18,7 @@
 typedef void fuzz_reader(const uint8_t *bytes, size_t length);
 fuzz_reader fuzz_command, fuzz_config, fuzz_csa, fuzz_exr, fuzz_helper, fuzz_journal, fuzz_keys,
     fuzz_labels, fuzz_line, fuzz_mgh, fuzz_nifti, fuzz_nrrd, fuzz_png, fuzz_procedure, fuzz_raw,
-    fuzz_request, fuzz_seeds, fuzz_surface, fuzz_transform;
+    fuzz_request, fuzz_seeds, fuzz_seg, fuzz_surface, fuzz_transform;
 
 struct fuzz_target {
     const char *name;

@@ -2,6 +2,7 @@
 """DICOM SEG by pydicom, for tests/test_seg.sh.
 
     seg.py FOLDER       makes an oblique CT, segmentations of it, and maps of the same labels there
+    seg.py corpus       makes small ones of those in the working folder, as in tests/fuzz/corpus/seg
     seg.py damage A.dcm makes copies of it with wrong bytes
     seg.py read A.dcm B.nii [FOLDER]
                         compares the voxels of a SEG and a map, place by place, and its references
@@ -231,6 +232,30 @@ def read(path, of, series=None):
     assert (found == expected).all(), "%d voxels differ" % (found != expected).sum()
 
 
+def corpus():
+    """Segmentations of 8x6 pixels, without what no reader needs."""
+    needed = {"SOPClassUID", "SOPInstanceUID", "SpecificCharacterSet", "SegmentationType", "Rows",
+              "Columns", "BitsAllocated", "BitsStored", "HighBit", "PixelRepresentation",
+              "SamplesPerPixel", "NumberOfFrames", "MaximumFractionalValue", "SegmentSequence",
+              "SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence", "PixelData"}
+    os.makedirs("corpus")
+    for name in ("binary", "implicit", "fractional", "labelmap", "labelmap8", "overlap",
+                 "bad-coded", "bad-many", "bad-stray", "bad-far", "bad-endless"):
+        one = pydicom.dcmread(name + ".dcm")
+        frames = one.NumberOfFrames
+        one.NumberOfFrames = len(one.PerFrameFunctionalGroupsSequence)
+        pixels = one.pixel_array[:4, 4:10, 4:12]
+        one.PerFrameFunctionalGroupsSequence = one.PerFrameFunctionalGroupsSequence[:4]
+        one.Rows, one.Columns = pixels.shape[1:]
+        one.NumberOfFrames = frames if frames > 1000 else len(pixels)
+        one.PixelData = (numpy.packbits(pixels.ravel().astype(bool), bitorder="little")
+                         if one.BitsAllocated == 1 else pixels).tobytes()
+        for element in list(one):
+            if element.keyword not in needed:
+                del one[element.tag]
+        one.save_as("corpus/" + name)
+
+
 def damage(path):
     """Copies with a few wrong bytes before the pixels."""
     rest, whole = random.Random(5), open(path, "rb").read()
@@ -243,6 +268,8 @@ def damage(path):
 
 if sys.argv[1] == "damage":
     damage(sys.argv[2])
+elif sys.argv[1] == "corpus":
+    corpus()
 elif sys.argv[1] == "read":
     read(*sys.argv[2:])
 else:
