@@ -67,7 +67,10 @@ expect_err "of fractions" 3 "$iftty" compare labels.twin.nii fractional.dcm
 begin "another grid is refused, or resampled"
 refused "resample=yes uses its nearest voxels" "open ct; labels bad-other-grid.dcm"
 answers "resampled from 26x22x13 voxels" "open ct; labels bad-other-grid.dcm resample=yes"
-refused "and its file 26x22x14" "open ct reduce=2; labels binary.dcm"
+refused "the map has 26x22x13 voxels, the scene 13x11x7, and its file 26x22x14; a map must be on \
+the grid of the scene or of its file, and DICOM SEG lacks planes without segments; otherwise use \
+resample=yes, for its nearest voxels" "open ct reduce=2; labels binary.dcm"
+answers "resampled from 26x22x13 voxels" "open ct reduce=2; labels binary.dcm resample=yes"
 
 begin "contradictory files are refused in one line"
 while read -r name words; do

@@ -396,9 +396,10 @@ static enum err check_grid(const struct map_place *place, const struct volume_he
         return err;
     return fault_set(fault, ERR_INPUT,
                      "the map has %ux%ux%u voxels, the scene %ux%ux%u, and its file %ux%ux%u; a "
-                     "map must be on the grid of the scene or of its file; otherwise use "
-                     "resample=yes; nothing has changed",
-                     is[0], is[1], is[2], size[0], size[1], size[2], whole[0], whole[1], whole[2]);
+                     "map must be on the grid of the scene or of its file%s; otherwise use "
+                     "resample=yes, for its nearest voxels; nothing has changed",
+                     is[0], is[1], is[2], size[0], size[1], size[2], whole[0], whole[1], whole[2],
+                     header->is_segments ? ", and DICOM SEG lacks planes without segments" : "");
 }
 
 static enum err prefix_file(const char *path, enum err err, struct fault *fault)
