@@ -254,8 +254,8 @@ test-stress: all tests build/.packages-test
 	@tests/stress.sh $(BUILD)
 
 ## soak: run 100 000 random commands by prompt, pilot and serve, with kills; hours; in build/soak
-soak: build/iftty
-	@rm -rf build/soak && python3 tests/soak.py build/iftty build/soak
+soak: all build/.packages-test
+	@rm -rf build/soak && $(PYTHON) -W ignore tests/soak.py build/iftty build/soak
 
 ## test-bare: run `make demo` and `make test` in a bare Debian 12 and a bare Debian 13 with git,
 ##     make and gcc alone; needs root, and some GB in build/bare; SUITES=trixie: one of them

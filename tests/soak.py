@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Random commands for hours, as somebody might give them who never tires: soak.py IFTTY FOLDER.
 
-One journal of a scene of a million voxels is gone on with in one session after another: by `serve`,
-whose client also sends what is none of a client's business, by the prompt, and by the pilot's keys.
+One journal of a DICOM series of a million voxels is continued in one session after another: by
+`serve`, whose client also sends what is none of a client's business, by the prompt, and by the
+pilot's keys.
 Every third session is killed among its commands. Then the journal has to hold every command that
 was acknowledged, after the bytes that stood before, and is resumed. All commands that `help` lists
 are given but those of LEFT_OUT; many of them are refused. While a session lasts
@@ -20,10 +21,13 @@ In the end
 
     the journal is verified, strictly, from its first record on;
     labels are the same after all has grown anew, and in a session that begins with the seeds alone;
+    a DICOM SEG of them has the same labels, and `report` draws a page of the first sessions;
     no temporary file and no draft is left.
 
     COMMANDS=100000  so many in all
-    SECONDS=         no session begins after so many; the end takes half as long again
+    SECONDS=         sessions end after so many; the end takes half as long again
+    LONGEST=5000     so many in a session; in one of the pilot at most 1000
+    SIDE=100         voxels of the scene along each axis, at least 56
     SEED=1           of the random numbers, from which all commands follow, but for the kills"""
 import fcntl
 import hashlib
@@ -40,22 +44,33 @@ import sys
 import termios
 import time
 
+import nibabel
+import numpy
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "volumes"))
+from make import slices_of  # pylint: disable=wrong-import-position
+
 IFTTY, FOLDER = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 COMMANDS = int(os.environ.get("COMMANDS", "100000"))
 SECONDS = float(os.environ.get("SECONDS") or "inf")
 TEMPORARY = os.path.join(FOLDER, "tmp")
-JOURNAL, SIDE, BATCH, WAIT = "soak.iftty", 100, 40, 300
-LONGEST, LONGEST_PILOT = 5000, 1000  # commands of a session
+JOURNAL, BATCH, WAIT = "soak.iftty", 40, 300
+SIDE = int(os.environ.get("SIDE", "100"))  # voxels of the scene, at least 56
+LONGEST = int(os.environ.get("LONGEST", "5000"))  # commands of a session
+LONGEST_PILOT = min(LONGEST, 1000)
 UNDO_MOST = 10  # kB of what can be undone for a record, half of which are balls and strokes
 HELPERS_MOST = 2  # one reads and writes pictures, one writes those that are not waited for
 ASKED_FOR = 16 * SIDE**3 // 1000 + 32768  # kB of pictures, answers and surfaces, or none of them
-OPEN = "open synth:geom:%dx%dx%d" % (SIDE, SIDE, SIDE)
+OPEN = "open ct"
+NUMBERS = [300, 70000, 4294967295]  # labels of a file
 LEFT_OUT = {"open", "interpolate", "pilot", "quit"}  # another scene; Ctrl-O; how sessions end
 rng = random.Random(int(os.environ.get("SEED", "1")))
 count = {"serve": 0, "prompt": 0, "pilot": 0}
 sessions = []  # those that have ended
 given = set()  # the first words of commands
 goldens, marks, markers = 0, 0, 0
+numbered = False  # labels above 255 may be there
 begun = time.monotonic()
 failures = []
 
@@ -84,10 +99,20 @@ def polygon():
     return "%d,%d,%d" % (x, y, z), " ".join("to=%d,%d,%d" % (p + (z,)) for p in corners)
 
 
+def exact():
+    """What makes a gesture exact, and what confines it to labels."""
+    return rng.choice(["", "", " within=0"]) + rng.choice(
+        ["", "", "", " over=0", " over=0-1,3", " keep=2", " over=1,2 keep=1"])
+
+
+def some_label():
+    return rng.choice(NUMBERS) if numbered and rng.random() < 0.1 else rng.randrange(4)
+
+
 def planting():
-    at, label, what = place(), rng.randrange(4), rng.random()
+    at, label, what = place(), some_label(), rng.random()
     if what < 0.70:
-        return "seed %s %d radius=%d" % (at, label, rng.randrange(4))
+        return "seed %s %d radius=%d" % (at, label, rng.randrange(4)) + exact()
     if what < 0.80:
         to = near(at)
         return "seed %s %d radius=1 to=%s to=%s" % (at, label, to, near(to)) + rng.choice(
@@ -98,18 +123,42 @@ def planting():
         return "seed %s %d shell=yes " % (at, label) + rng.choice(
             ["radius=4", "radius=2.5mm", "through=" + near(at), "radius=5 around=1"])
     if what < 0.90:
-        return "box %s %s %d" % (at, near(at), label) + rng.choice(["", " shell=yes"])
+        return "box %s %s %d" % (at, near(at), label) + rng.choice(["", " shell=yes", exact()])
     first, others = polygon()
     if what < 0.93:
-        return "fill %s %d %s" % (first, label, others)
+        return "fill %s %d %s" % (first, label, others) + exact()
+    if what < 0.94:
+        return "between %d" % rng.randint(1, 3) + rng.choice(
+            ["", " plane=axial", " plane=coronal", " over=0"])
+    if what < 0.96:
+        return outlining(first, others)
     if what < 0.985:
         return "outline %s %d %s" % (first, label, others) + rng.choice(
             ["", " ring=%d" % rng.randrange(6), " instead=%d" % rng.randint(1, markers + 9)])
     if what < 0.995:
         low = rng.randint(10, 200)
-        return "object %d threshold %d..%d from=%s" % (label, low, low + 2, at)
+        return "object %d threshold %d..%d from=%s" % (label, low, low + 2, at) + exact()
     return "seed-file " + rng.choice(["seeds.csv", "map.nii regions=1-2 erode=2 each=9",
-                                      "map.nii label=3 each=5 generator=7", "none.csv"])
+                                      "map.nii label=3 each=5 generator=7", "none.csv",
+                                      "map.dcm regions=1-2 erode=2 each=9", "bad.dcm",
+                                      "map.nii label=1 each=9 within=0 over=0"])
+
+
+outlined = None  # a polygon, and its label
+
+
+def outlining(first, others):
+    """An outline, and then the same some slices on, for `between`."""
+    global outlined
+    if outlined:
+        (first, label, others), outlined = outlined, None
+        z = int(first.split(",")[2])
+        first = first.rsplit(",", 1)[0] + ",%d" % (z + 4)
+        others = others.replace(",%d " % z, ",%d " % (z + 4)).replace(",%d" % z, ",%d" % (z + 4))
+    else:
+        label = rng.randint(1, 3)
+        outlined = first, label, others
+    return "outline %s %d %s ring=%d" % (first, label, others, rng.randrange(2))
 
 
 def going():
@@ -132,7 +181,10 @@ def looking():
         "cut none", "overlay tint", "overlay contour cross=off", "overlay none", "label 3 third",
         "label %d \"object %d\" #%06x" % (rng.randint(1, 9), rng.randrange(99),
                                           rng.randrange(1 << 24)),
-        "label-file names.txt", "light 20 40", "cue 50", "edges on", "edges off", "samples 2",
+        "label-file names.txt", "label 2 liver code=SCT:10200004:Liver", "label 2 x code=none",
+        "label 1 one code=nonsense", "show-channel next", "show-channel 2", "show-channel 1",
+        "# a comment of channel 2",
+ "light 20 40", "cue 50", "edges on", "edges off", "samples 2",
         "samples 1", "background white", "background gradient", "decorate letters scale",
         "decorate none", "context mip", "context none", "window 20 90.5", "window auto",
         "magnify 2.5 at=" + at, "magnify fit", "size 128 128", "size 96 64",
@@ -146,7 +198,10 @@ def growing():
                        "polarity 1 50", "polarity 2 0", "weight map.nii", "weight morph",
                        "weight morph", "weight morph", "adjacency 26", "adjacency 6", "adjacency 6",
                        "range 20 190.5", "range none", "mask map.nii regions=0-2", "mask none",
-                       "range none", "mask none"])
+                       "range none", "mask none", "mask map.dcm", "mask none",
+                       "channel flair.nii name=flair", "channel 2 percent=50",
+                       "channel 1 percent=80", "range 2:10..200", "channel none.nii",
+                       "channel 2 remove=yes", "channel 2 remove=yes"])
 
 
 def finishing():
@@ -165,7 +220,8 @@ def asking():
         "pick 20 30 of=mosaic", "info",
         "history 5", "hints 3", "hints slice", "hint %d" % rng.randint(1, 12), "help seed",
         "journal", "sync", "sync " + rng.choice(["always", "everysec", "off"]), "run for=stats",
-        "stats finished=yes report=stats.json replace=yes", "compare map.nii regions=1-3"])
+        "stats finished=yes report=stats.json replace=yes", "compare map.nii regions=1-3",
+        "compare map.dcm", "compare bad.dcm"])
 
 
 def saving():
@@ -179,7 +235,10 @@ def saving():
         "save root root.nii.gz replace=yes", "save margin margin.nii.gz replace=yes",
         "save distance distance.nii.gz replace=yes", "save seeds now.csv replace=yes",
         "save names now.txt replace=yes", "save surface now.ply replace=yes triangles=900",
-        "save labels labels.nii", "render now.png replace=yes", "render now.exr replace=yes",
+        "save labels labels.nii", "save labels now.dcm replace=yes",
+        "save labels now.dcm replace=yes finished=yes identity=keep",
+        "save labels now.seg.nrrd replace=yes", "render now.png replace=yes",
+        "render now.exr replace=yes",
         "slice axial 50 slice.png replace=yes", "mosaic mosaic.png replace=yes",
         "spin 4 turn.gif replace=yes"])
 
@@ -208,11 +267,15 @@ def is_late():
 
 
 def command():
+    global numbered
     make = rng.choices([k[1] for k in KINDS], [k[0] for k in KINDS])[0]
     line = make() if make else "remove %s" % place() + rng.choice(
         [" radius=%d" % rng.randrange(8), " radius=%d" % rng.randrange(8), " of=tree", ""])
-    if is_late() and ("labels" not in given or rng.random() < 0.0005):
-        line = "labels map.nii least=3000 rest=none erode=1"
+    if is_late() and ("labels" not in given or rng.random() < 0.001):
+        line = rng.choice(["labels map.nii least=3000 rest=none erode=1", "labels here",
+                           "labels map.dcm regions=2 rest=none least=3000"])
+    elif rng.random() < 0.001:
+        line, numbered = "labels numbers.nii rest=none", True
     given.add(line.split(" ")[0])
     return line
 
@@ -256,7 +319,7 @@ def told(lines, *arguments):
 def accounted():
     """kB of seeds, and of what can be undone, by the program's own account."""
     said = told(["info"], "--journal", JOURNAL, "--read-only")
-    seeds, undone = re.search(r"seeds (\d+\.\d).* and (\d+\.\d) MB for what can", said).groups()
+    seeds, undone = re.search(r"seeds (\d+\.\d).* and (\d+\.\d) MB for undo", said).groups()
     return int(1000 * float(seeds)), int(1000 * float(undone))
 
 
@@ -474,7 +537,7 @@ class Pilot(Prompt):
 
 def one_session(kind, commands, dies):
     session = kind()
-    while session.done < commands:
+    while session.done < commands and time.monotonic() < begun + SECONDS:
         session.batch([command() for _ in range(BATCH)])
         session.note(BATCH)
         if session.done == 10 * BATCH:
@@ -532,6 +595,19 @@ def labels_of(answer):
     return (re.findall(r"labels ([0-9a-f]{16})", answer) or ["none"])[-1]
 
 
+def is_same(a, b):
+    done = subprocess.run([IFTTY, "compare", a, b], capture_output=True, check=False)
+    return done.returncode == 0
+
+
+def report():
+    """A page of the journal so far."""
+    done = subprocess.run([IFTTY, "report", JOURNAL, "-o", "page.html"], capture_output=True,
+                          text=True, check=False)
+    if done.returncode != 0 or not os.path.exists("page.html"):
+        fail("report: status %d, %s" % (done.returncode, done.stderr))
+
+
 def tell(holds, what, why=""):
     print("%s - %s%s" % ("ok" if holds else "not ok", what, ": " + str(why) if why else ""),
           flush=True)
@@ -544,18 +620,44 @@ def left_behind():
         name for _, _, names in os.walk(".") for name in names if name.startswith(".")]
 
 
+def make_files():
+    """Two channels of shells and noise, a series of the first, and maps."""
+    noise = numpy.random.RandomState(1)
+    shape = numpy.array([SIDE / 2] * 3)
+    far = numpy.linalg.norm((numpy.indices([SIDE] * 3).T - shape) * [1, 1.2, 0.8], axis=3).T
+    for name, period in (("ct", 18), ("flair", 11)):
+        values = (40 + 60 * (far % period > period / 2) + far + noise.randint(0, 9, far.shape))
+        if name == "ct":
+            os.mkdir("ct")
+            for z, one in enumerate(slices_of(values.astype(numpy.int16), numpy.eye(4))):
+                one.RescaleSlope, one.RescaleIntercept = 1, 0
+                one.save_as("ct/%d" % z)
+        else:
+            nibabel.save(nibabel.Nifti1Image(values.astype(numpy.int16), numpy.eye(4)), "flair.nii")
+    numbers = numpy.zeros(far.shape, numpy.uint32)
+    for i, number in enumerate(NUMBERS):
+        numbers[15 * i + 5:15 * i + 15, 30:40, 40:50] = number
+    nibabel.save(nibabel.Nifti1Image(numbers, numpy.eye(4)), "numbers.nii")
+    told([OPEN, "seed 15,15,15 1 radius=5", "seed 45,45,15 2 radius=5", "seed 2,2,2 0", "run",
+          "label 1 one", "save labels map.nii", "save labels map.dcm", "save seeds seeds.csv",
+          "save names names.txt"])
+    with open("map.dcm", "rb") as whole, open("bad.dcm", "wb") as bad:
+        bad.write(whole.read()[:-1000])
+
+
 def main():
     os.makedirs(TEMPORARY, exist_ok=True)
     os.chdir(FOLDER)
     os.environ.update(IFTTY_CONFIG="", IFTTY_HISTORY="", TMPDIR=TEMPORARY)
-    told([OPEN, "seed 30,30,30 1 radius=5", "seed 70,70,30 2 radius=5", "seed 2,2,2 0", "run",
-          "label 1 one", "save labels map.nii", "save seeds seeds.csv", "save names names.txt"])
+    make_files()
     told([OPEN, "size 128 128", "auto on"], "--journal", JOURNAL)
     while sum(count.values()) < COMMANDS and time.monotonic() < begun + SECONDS:
         left = COMMANDS - sum(count.values())
         kind = [Serve, Prompt, Pilot][len(sessions) % 3]
         one_session(kind, min(left, LONGEST_PILOT if kind is Pilot else LONGEST),
                     rng.randrange(3) == 0)
+        if len(sessions) == 3:
+            report()
         last = sessions[-1]
         print("# %6d commands, %5.0f s, %s%s: %d records, kB in quarters %s, "
               "%d for seeds and history" % (
@@ -564,19 +666,25 @@ def main():
                   " ".join(str(median(last.sizes, q)) for q in (1, 2, 3, 4)), sum(last.held)),
               flush=True)
     plain = ["weight morph", "adjacency 6", "range none", "mask none", "finish none"]
-    last = labels_of(told(plain + ["run", "save seeds last.csv replace=yes", "stats"],
-                          "--journal", JOURNAL))
+    plain += ["channel 2 remove=yes"] * 8 + ["channel 1 percent=100"]
+    last = labels_of(told(plain + [  # of which some are refused
+        "run", "save seeds last.csv replace=yes", "save names last.txt replace=yes",
+        "save labels last.nii replace=yes", "save labels last.dcm replace=yes", "stats"],
+        "--journal", JOURNAL, "--keep-going"))
     anew = labels_of(told(["adjacency 26", "run", "adjacency 6", "run", "stats"],
                           "--journal", JOURNAL))
-    scratch = labels_of(told([OPEN, "seed-file last.csv", "run", "stats"]))
+    told([OPEN, "label-file last.txt", "seed-file last.csv", "run", "save labels scratch.nii"])
+    scratch = is_same("last.nii", "scratch.nii")
+    segments = is_same("last.nii", "last.dcm")
     Serve().end()  # takes away the folder of one that was killed
     grew, left = memory_grows(), left_behind()
     names = set(re.findall(r"^([a-z][a-z-]*) ", subprocess.run(
         [IFTTY, "help", "all"], capture_output=True, text=True, check=True).stdout, re.M))
     with open(JOURNAL, "rb") as file:
         thieves = file.read().count(b"thief")
-    failed = tell(last == scratch == anew, "labels are the same from the seeds alone, and anew",
+    failed = tell(last == anew and scratch, "labels are the same from the seeds alone, and anew",
                   "%s %s %s" % (last, scratch, anew))
+    failed += tell(segments, "a DICOM SEG of them has the same labels")
     failed += tell(not grew, "memory does not grow", "; ".join(grew))
     failed += tell(not left, "nothing is left behind", " ".join(left))
     failed += tell(thieves == 0, "nobody else has written to the journal")
@@ -590,7 +698,7 @@ def main():
                                "90G", JOURNAL], check=False).returncode
     failed += tell(verified == 0, "the journal verifies, strictly")
     print("# %.0f s" % (time.monotonic() - begun))
-    print("%d passed, %d failed, 0 skipped" % (7 - failed, failed))
+    print("%d passed, %d failed, 0 skipped" % (8 - failed, failed))
     sys.exit(failed > 0)
 
 
