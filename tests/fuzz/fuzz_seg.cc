@@ -56,6 +56,11 @@ void *operator new(size_t bytes)
     return memory;
 }
 
+void *operator new(size_t bytes, const std::nothrow_t &) noexcept
+{
+    return malloc(bytes ? bytes : 1);
+}
+
 void operator delete(void *memory) noexcept
 {
     free(memory);
