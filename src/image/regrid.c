@@ -252,7 +252,7 @@ static enum err resample_map(struct volume *map, uint16_t *out, uint8_t *is_beyo
     for (uint32_t z = 0; z < size[2]; z++)
         for (uint32_t y = 0; y < size[1] && task_advance(&task, size[0]); y++, out += size[0]) {
             beyond += resample_row(out, is_beyond, map, &way, size[0], y, z);
-            is_beyond += is_beyond ? size[0] : 0;
+            is_beyond = is_beyond ? is_beyond + size[0] : NULL;
         }
     if (beyond && !has_zero)
         return fault_set(fault, ERR_INPUT,
