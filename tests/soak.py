@@ -198,10 +198,13 @@ def growing():
                        "polarity 1 50", "polarity 2 0", "weight map.nii", "weight morph",
                        "weight morph", "weight morph", "adjacency 26", "adjacency 6", "adjacency 6",
                        "range 20 190.5", "range none", "mask map.nii regions=0-2", "mask none",
-                       "range none", "mask none", "mask map.dcm", "mask none",
-                       "channel flair.nii name=flair", "channel 2 percent=50",
-                       "channel 1 percent=80", "range 2:10..200", "channel none.nii",
-                       "channel 2 remove=yes", "channel 2 remove=yes"])
+                       "range none", "mask none", "mask map.dcm", "mask none"])
+
+
+def of_channels():
+    return rng.choice(["channel flair.nii name=flair", "channel flair.nii", "channel 2 percent=50",
+                       "channel 1 percent=80", "channel none.nii",
+                       "channel 2 remove=yes", "channel 2 remove=yes", "channel 3 remove=yes"])
 
 
 def finishing():
@@ -258,7 +261,7 @@ def misspelling():
 
 KINDS = [(0.52, planting), (0.12, None), (0.10, going), (0.02, lambda: rng.choice(
     ["auto on", "auto on", "auto off", "run"])), (0.12, looking), (0.02, finishing), (0.07, asking),
-    (0.01, saving), (0.005, growing), (0.015, misspelling)]
+    (0.01, saving), (0.005, growing), (0.005, of_channels), (0.015, misspelling)]
 
 
 def is_late():
@@ -668,12 +671,15 @@ def main():
     plain = ["weight morph", "adjacency 6", "range none", "mask none", "finish none"]
     plain += ["channel 2 remove=yes"] * 8 + ["channel 1 percent=100"]
     last = labels_of(told(plain + [  # of which some are refused
-        "run", "save seeds last.csv replace=yes", "save names last.txt replace=yes",
-        "save labels last.nii replace=yes", "save labels last.dcm replace=yes", "stats"],
+        "run", "save seeds last.csv replace=yes", "save labels last.nii replace=yes",
+        "save labels last.dcm replace=yes", "stats"],
         "--journal", JOURNAL, "--keep-going"))
     anew = labels_of(told(["adjacency 26", "run", "adjacency 6", "run", "stats"],
                           "--journal", JOURNAL))
-    told([OPEN, "label-file last.txt", "seed-file last.csv", "run", "save labels scratch.nii"])
+    with open("last.csv", encoding="ascii") as file:
+        planted = {line.strip().split(",")[3] for line in list(file)[1:]} - {"0"}
+    told([OPEN] + ["label %s n%s" % (number, number) for number in sorted(planted)] +
+         ["seed-file last.csv", "run", "save labels scratch.nii"])
     scratch = is_same("last.nii", "scratch.nii")
     segments = is_same("last.nii", "last.dcm")
     Serve().end()  # takes away the folder of one that was killed
