@@ -191,8 +191,9 @@ static inline void fits_its_state(const struct session *session)
     CHECK(forest_arcs(session->forest)->kind == weight_arcs(kept->weight.kind));
     CHECK(!kept->weight_map == (kept->weight.kind != WEIGHT_FILE));
     if (kept->has_range)
-        roi_range(&roi, &session->geometry, session->levels, kept->range);
+        roi_range(&roi, session, kept->range_channel, kept->range);
     CHECK(session->roi.low == roi.low && session->roi.high == roi.high);
+    CHECK_INT(session->roi.channel, roi.channel);
     CHECK(!session->roi.mask == !kept->mask);
     const size_t bytes = mask_bytes(&session->scene->grid);
     OWNED(mem_release) uint64_t *bits = kept->mask ? malloc(bytes) : NULL;

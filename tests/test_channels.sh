@@ -62,12 +62,35 @@ same "$(last shown1.iftty forest)" "$(last shown2.iftty forest)"
 begin "each channel has its own window, values and range of planting"
 expect 3 "$iftty" -c "open a-real.nii; channel b-real.nii; window 10 20; show-channel next
     window 30 40; show-channel 1; info; show-channel 2; info; why 42,25,20; why 20,25,20
-    seed 20,25,20 1 radius=3 range=40..50; seed 42,25,20 2 radius=3 range=40..50" --keep-going
+    seed 42,25,20 2 radius=3 range=40..50; seed 42,25,20 2 radius=3 range=2:40..50
+    seed 20,25,20 1 radius=3 range=1:40..50; object 2 threshold 2:40..50" --keep-going
 same "$(grep -o 'window [0-9. ]*,' out | tail -n 2 | tr '\n' ' ')" "window 10 20, window 30 40, "
 grep -q 'voxel 42,25,20 .*intensity in channel 2: 4' out || fail "$(grep voxel out)"
 grep -q 'voxel 20,25,20 .*intensity in channel 2: 1' out || fail "$(grep voxel out)"
-err_has "range: no voxel of it has such an intensity"
-grep -q '^ok [0-9]* seed 42,25,20 2 radius=3 range=40..50' out || fail "nothing was planted"
+err_has "range: no voxel of it has such an intensity in channel 1"
+grep -q '^ok [0-9]* seed 42,25,20 2 radius=3 range=2:40..50' out || fail "nothing was planted"
+grep -q '^ok [0-9]* seed 20,25,20 1 radius=3 range=40..50' out || fail "not of the first channel"
+out_has 'ok 10 object 2 threshold 2:40..50'
+
+begin "a range means the same whichever channel is shown, and goes back with its channel"
+for show in 1 2; do
+    expect 0 "$iftty" -c "open a-real.nii; channel b-real.nii; show-channel $show
+        range 35..50; range 2:35..50; seed 42,25,20 1; range 2:10..50; seed 20,25,20 2 range=30..50
+        run; object 1 threshold 2:30..50; undo 2; redo; save labels range$show.nii" \
+        --journal "range$show.iftty"
+    expect 0 "$iftty" verify "range$show.iftty"
+done
+same_files range1.nii range2.nii
+same "$(last range1.iftty fence)" "$(last range2.iftty fence)"
+same "$(grep '^range' range1.iftty | tr '\n' ';')" "range 35 50;range 2:35..50;range 2:10..50;"
+expect 0 "$iftty" -c "open a-real.nii; channel a-real.nii; channel b-real.nii; window 10 20
+    show-channel 3; window 30 40; range 3:35..50; range 35 50; range 3:35..50; channel 2 remove=yes
+    info; undo; info; undo 4; info; redo 4; info; channel b-real.nii; undo 2; show-channel 3
+    info" --journal back.iftty
+same "$(grep -o 'region .*:' out | tr -s ' \n' ' ;')" "region range 2:35..50:;$(
+)region range 3:35..50:;region range 3:35..50:;region range 35..50:;"
+same "$(sed -n 's/.*slices .*window \([0-9]*\).*/\1/p' out | tr '\n' ' ')" "30 30 10 30 30 "
+expect 0 "$iftty" verify back.iftty
 
 begin "a channel that undo has removed leaves the window of the first"
 expect 0 "$iftty" -c "open a-real.nii; window 10 20; channel b-real.nii; show-channel 2
@@ -82,7 +105,7 @@ expect 0 "$iftty" -c "$steps; channel 2 percent=50; undo; channel 2 remove=yes; 
 cp out seen
 expect 0 "$iftty" verify undo.iftty
 same "$(grep -o 'intensity [^,]*' seen | tr '\n' ';')" \
-    "intensity 98;intensity in channel 1: 98;intensity 98;intensity in channel 1: 98;"
+    "intensity 98;intensity in channel 2: 293;intensity 98;intensity in channel 2: 293;"
 same "$(last undo.iftty forest)" "$(last j.iftty forest)"
 expect 0 "$iftty" -c "open case_0000.nii; $seeds; range 90 310; channel case_0001.nii; undo; run" \
     --journal range.iftty
@@ -99,7 +122,12 @@ refused "channel 3 percent=9" "there is no channel 3: the scene has 2"
 refused "channel 1 remove=yes" "the first channel cannot be removed"
 refused "channel 2 volume=1" "volume: only a file has one"
 refused "show-channel 5" "there is no channel 5"
-refused "range 0 400; show-channel 2" 'a `range` of the first channel restricts trees'
+refused "range 2:0..400; channel 2 remove=yes" 'a `range` of channel 2 restricts trees'
+refused "range 3:0..400" "there is no channel 3: the scene has 2"
+refused "seed 1,1,1 1 range=3:0..400" "there is no channel 3: the scene has 2"
+refused "range 2:40 50" "expected none or LOW..HIGH"
+refused "range 1 2..3" "HIGH: expected a number"
+refused "range 0..9 7" "expected LOW and HIGH, 2:LOW..HIGH, or none alone"
 refused "interpolate 2 2 2" "a mask, a channel or weights from a file belong to the present"
 expect 2 "$iftty" -c "open case_0000.nii; weight polarity; channel case_0001.nii"
 expect 2 "$iftty" -c "open case_0000.nii; show-channel next"

@@ -1548,12 +1548,13 @@ SCENE_STORY(a_roi_or_weights_that_are_wrong_change_nothing)
         {"polarity 1", "missing: PERCENT"},
         {"polarity 1 101", "PERCENT: expected a number -100..100, not 101"},
         {"polarity liver 5", "LABEL: expected a label 0..255"},
-        {"range 5", "expected LOW and HIGH, or none alone"},
-        {"range none 5", "expected LOW and HIGH, or none alone"},
+        {"range 5", "expected LOW and HIGH, 2:LOW..HIGH, or none alone"},
+        {"range none 5", "expected LOW and HIGH, 2:LOW..HIGH, or none alone"},
         {"range 5 4.999", "HIGH is below LOW"},
         {"range low 5",
-         "LOW: expected none or a number, as in 40, -0.5 or 1.5e-3, of at most 19 digits"},
-        {"range 1.5e 5", "LOW: expected none or a number"},
+         "LOW: expected none or LOW..HIGH, as in 40..1200.5, or 2:LOW..HIGH of channel 2, of at "
+         "most 19 digits each"},
+        {"range 1.5e 5", "LOW: expected none or LOW..HIGH"},
         {"range 1 99999999999999999999", "of at most 19 digits, not 99999999999999999999"},
     };
     make_regions("narrow.nii", 9, 0);

@@ -166,7 +166,7 @@ static void put_up(struct world *w, const struct roi *roi)
 STORY(no_tree_passes_a_roi)
 {
     OWNED(world_free) struct world w = world_new(7, 1, 1, 6);
-    struct roi range = {NULL, 5, 9}, none = roi_none(), mask = {NULL, 0, 9};
+    struct roi range = {NULL, 5, 9, 0}, none = roi_none(), mask = {NULL, 0, 9, 0};
     set_row_intensities(&w, (const uint16_t[]){5, 9, 7, 4, 10, 5, 5});
     CHECK_INT(roi_tally(&range, w.scene).inside, 5);
     CHECK(roi_tally(&range, w.scene).digest != 0 && roi_tally(&none, w.scene).digest == 0);

@@ -174,7 +174,8 @@ STORY(a_range_holds_on_and_files_of_the_grid_refuse)
     struct session *session;
     struct fault fault = {0};
     begin(&session);
-    CHECK(session_set_range(session, (const struct decimal[]){{1, 2, 1}, {24, 1, 1}}, NULL) == OK);
+    const struct decimal range[] = {{1, 2, 1}, {24, 1, 1}};
+    CHECK(session_set_range(session, 0, range, NULL) == OK);
     const struct roi_tally tally = session->roi_tally;
     CHECK(session_interpolate(session, 4, NULL) == OK);
     const struct roi_tally finer = roi_tally(&session->roi, session->scene);

@@ -200,7 +200,7 @@ STORY(margins_are_those_of_a_search_for_each_label)
                 w.scene->cell[c].weight = (uint16_t)below(steepest);
                 w.scene->cell[c].intensity = (uint16_t)below(steepest);
             }
-        const struct roi roi = {NULL, 0, (uint16_t)(below(3) ? 65535 : steepest / 2)};
+        const struct roi roi = {NULL, 0, (uint16_t)(below(3) ? 65535 : steepest / 2), 0};
         roi_apply(&roi, w.scene);
         for (uint32_t seeds = below(8); seeds > 0; seeds--) {
             const uint32_t at =

@@ -107,6 +107,31 @@ void decimal_write(struct buf *out, const struct decimal *decimal)
     }
 }
 
+bool interval_scan(const char **cursor, unsigned *channel, struct decimal range[2])
+{
+    const char *at = *cursor;
+    int64_t number = 1;
+    if (!scan_integer(&at, 1, 99, &number) || !scan_text(&at, ":")) {
+        number = 1;
+        at = *cursor;
+    }
+    if (!decimal_scan(&at, &range[0]) || !scan_text(&at, "..") || !decimal_scan(&at, &range[1]) ||
+        decimal_value(&range[0]) > decimal_value(&range[1]))
+        return false;
+    *channel = (unsigned)number - 1;
+    *cursor = at;
+    return true;
+}
+
+void interval_write(struct buf *out, unsigned channel, const struct decimal range[2])
+{
+    if (channel)
+        buf_printf(out, "%u:", channel + 1);
+    decimal_write(out, &range[0]);
+    buf_add_text(out, "..");
+    decimal_write(out, &range[1]);
+}
+
 bool scan_decimal(const char **cursor, unsigned places, int64_t least, int64_t most, int64_t *out)
 {
     const char *at = *cursor;

@@ -83,6 +83,12 @@ double decimal_value(const struct decimal *decimal);
  * many zeros. */
 void decimal_write(struct buf *out, const struct decimal *decimal);
 
+/* An interval of intensities, both ends included: "LOW..HIGH" is of channel 0, the first, and
+ * "2:LOW..HIGH" of channel 1. `interval_scan` returns false on anything else, with the cursor
+ * unchanged. */
+bool interval_scan(const char **cursor, unsigned *channel, struct decimal range[2]);
+void interval_write(struct buf *out, unsigned channel, const struct decimal range[2]);
+
 /* ---- numbers in bytes ---- */
 
 /* Read and write a number of `width` bytes, 1 to 8. */

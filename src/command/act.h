@@ -215,7 +215,8 @@ enum err act_take_slices(const struct act *act, enum slice_kind kind, const stru
  * nor of the shell's own label. */
 struct planting {
     struct interval within;
-    uint16_t reach; /* the seeds' reach (forest_add_reach), or 0 */
+    unsigned channel; /* channel of the interval, 0 for the first */
+    uint16_t reach;   /* the seeds' reach (forest_add_reach), or 0 */
     bool is_shell;
     uint8_t inside;            /* label of the object in the middle of a shell, */
     struct label_set encloses; /* and of all objects that it encloses */
@@ -249,7 +250,7 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
 
 /* Report voxels whose level contains values on both sides of an end of the range, and the step
  * between levels; nothing for 0 voxels. */
-void act_write_unsure(const struct act *act, size_t voxels);
+void act_write_unsure(const struct act *act, unsigned channel, size_t voxels);
 
 /* Find the voxels of a ball of `radius` at PLACE, or of a stroke if `to` is given; `to` may be
  * NULL. */

@@ -498,7 +498,7 @@ enum err act_magnify(const struct act *act)
 enum err act_window(const struct act *act)
 {
     struct slice_settings *slices = &act->next->outlook.slices;
-    const unsigned channel = session_shown_channel(act->session);
+    const unsigned slot = session_shown_slot(act->session);
     const bool is_auto = act_text(act, "LOW") != NULL;
     const struct decimal window[2] = {act_value(act, "LOW")->real[0],
                                       act_value(act, "HIGH")->real[0]};
@@ -507,9 +507,9 @@ enum err act_window(const struct act *act)
                          "expected LOW and HIGH, or auto alone; nothing has changed");
     if (!is_auto && decimal_value(&window[1]) <= decimal_value(&window[0]))
         return fault_set(act->fault, ERR_USAGE, "HIGH is not above LOW; nothing has changed");
-    slices->has_window[channel] = !is_auto;
+    slices->has_window[slot] = !is_auto;
     for (int i = 0; i < 2; i++)
-        slices->window[channel][i] = is_auto ? (struct decimal){0, 0, 0} : window[i];
+        slices->window[slot][i] = is_auto ? (struct decimal){0, 0, 0} : window[i];
     return go_and_describe(act);
 }
 

@@ -93,17 +93,6 @@ static enum err read_channel(struct channel_values **values, const struct act *a
     return OK;
 }
 
-/* Refuse the number of a channel that does not exist. */
-static enum err check_channel(const struct act *act, unsigned channel)
-{
-    const unsigned count = kept_channels(&act->next->kept) + 1;
-    return channel < count
-               ? OK
-               : fault_set(act->fault, ERR_USAGE,
-                           "there is no channel %u: the scene has %u; nothing has changed",
-                           channel + 1, count);
-}
-
 enum err act_show_channel(const struct act *act)
 {
     const struct kept *kept = &act->next->kept;
@@ -113,16 +102,29 @@ enum err act_show_channel(const struct act *act)
     if (count == 1)
         return fault_set(act->fault, ERR_USAGE,
                          "the scene has one channel; `channel FILE` adds another");
-    TRY(check_channel(act, channel));
-    if (kept->has_range && channel)
-        return fault_set(act->fault, ERR_USAGE,
-                         "a `range` of the first channel restricts trees; `range none` removes it; "
-                         "nothing has changed");
-    act->next->outlook.slices.channel = channel;
+    TRY(kept_has_channel(kept, channel, act->fault));
+    act->next->outlook.slices.channel = channel ? kept->channel[channel - 1].slot : 0;
     TRY(act_go(act));
     channel_write(&act->reply->text, act->session);
     buf_add_text(&act->reply->text, " is shown\n");
     return OK;
+}
+
+/* Find a slot for a new channel; if possible, one without the window of a removed channel, which
+ * undo restores. */
+static uint32_t take_slot(struct state *next)
+{
+    struct slice_settings *slices = &next->outlook.slices;
+    unsigned used = 1, avoided = 0;
+    for (unsigned i = 0; i < CHANNELS_MOST; i++) {
+        used |= 1u << next->kept.channel[i].slot;
+        avoided |= slices->has_window[i + 1] << (i + 1);
+    }
+    avoided |= used;
+    const unsigned slot = (unsigned)__builtin_ctz(~(avoided < 255 ? avoided : used));
+    slices->has_window[slot] = 0;
+    slices->channel = slices->channel == slot ? 0 : slices->channel;
+    return slot;
 }
 
 enum err act_channel(const struct act *act)
@@ -142,12 +144,12 @@ enum err act_channel(const struct act *act)
                          CHANNELS_MOST + 1);
     if (number < 0) {
         TRY(read_channel(&values, act));
-        *of = (struct kept_channel){.values = values, .percent = 100};
+        *of = (struct kept_channel){values, 100, take_slot(act->next), ""};
     }
-    TRY(check_channel(act, channel));
+    TRY(kept_has_channel(kept, channel, act->fault));
     TRY(check_channels(act, kept->weight.kind));
     if (act_has(act, "percent"))
-        *(of ? &of->percent : &kept->percent) = (uint64_t)act_number(act, "percent");
+        *(of ? &of->percent : &kept->percent) = (uint32_t)act_number(act, "percent");
     if (act_has(act, "name") && !of)
         return fault_set(act->fault, ERR_USAGE, "name: the first channel is the scene itself");
     if (act_has(act, "name")) {
@@ -159,15 +161,14 @@ enum err act_channel(const struct act *act)
         if (!of)
             return fault_set(act->fault, ERR_USAGE,
                              "the first channel cannot be removed; nothing has changed");
-        struct slice_settings *slices = &act->next->outlook.slices;
-        const size_t later = CHANNELS_MOST - channel;
-        memmove(of, of + 1, later * sizeof *of);
+        if (kept->has_range && kept->range_channel == channel)
+            return fault_set(act->fault, ERR_USAGE,
+                             "a `range` of channel %u restricts trees; `range none` removes it; "
+                             "nothing has changed",
+                             channel + 1);
+        memmove(of, of + 1, (CHANNELS_MOST - channel) * sizeof *of);
         kept->channel[CHANNELS_MOST - 1] = (struct kept_channel){.values = NULL};
-        memmove(slices->has_window + channel, slices->has_window + channel + 1,
-                later * sizeof *slices->has_window);
-        memmove(slices->window + channel, slices->window + channel + 1,
-                later * sizeof *slices->window);
-        slices->has_window[CHANNELS_MOST] = slices->channel = 0;
+        kept->range_channel -= kept->range_channel > channel;
     }
     return add_weights(act, act_go(act));
 }
@@ -228,7 +229,7 @@ static enum err mask_by_file(const struct act *act)
     while (grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++)
             mask[c >> 6] |= (uint64_t)(*region++ != REGION_NONE) << (c & 63);
-    const struct roi alone = {mask, 0, UINT16_MAX}; /* without the range */
+    const struct roi alone = {mask, 0, UINT16_MAX, 0}; /* without the range */
     act_add_digest(act, "file", roi_tally(&alone, session->scene).digest);
     return act_prefix_file(act, session_set_mask(session, mask, name, regions, NULL, act->fault));
 }
@@ -253,24 +254,27 @@ enum err act_range(const struct act *act)
 {
     struct session *session = act->session;
     const bool is_range = !act_text(act, "LOW");
-    const struct decimal range[2] = {act_value(act, "LOW")->real[0],
-                                     act_value(act, "HIGH")->real[0]};
-    if (is_range != act_has(act, "HIGH"))
+    const struct value *low = act_value(act, "LOW");
+    const bool is_low = is_range && low->number < 0;
+    const unsigned channel = is_range && !is_low ? (unsigned)low->number : 0;
+    const struct decimal range[2] = {low->real[0],
+                                     is_low ? act_value(act, "HIGH")->real[0] : low->real[1]};
+    if (is_low != act_has(act, "HIGH"))
         return fault_set(act->fault, ERR_USAGE,
-                         "expected LOW and HIGH, or none alone; nothing has changed");
+                         "expected LOW and HIGH, 2:LOW..HIGH, or none alone; nothing has changed");
     if (is_range && decimal_value(&range[1]) < decimal_value(&range[0]))
         return fault_set(act->fault, ERR_USAGE, "HIGH is below LOW; nothing has changed");
-    enum err err = session_set_range(session, is_range ? range : NULL, act->fault);
+    enum err err = session_set_range(session, channel, is_range ? range : NULL, act->fault);
     err = add_roi(act, err);
     if (err || !is_range)
         return err;
-    const struct interval interval = levels_within(&session->geometry, session->levels, range);
+    const struct interval interval = session_within(session, channel, range);
     size_t unsure = 0;
     struct grid_walk walk = scene_walk(session->scene, "levels", NULL, 0);
     while (interval.split[0] >= 0 && grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++)
-            unsure += interval_splits(&interval, session->scene->cell[c].intensity);
-    act_write_unsure(act, unsure);
+            unsure += interval_splits(&interval, scene_intensity(session->scene, channel, c));
+    act_write_unsure(act, channel, unsure);
     return OK;
 }
 

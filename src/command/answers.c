@@ -293,9 +293,7 @@ void act_write_region(struct buf *out, const struct session *session)
     }
     if (kept->has_range) {
         buf_add_text(out, kept->mask ? ", range " : "range ");
-        decimal_write(out, &kept->range[0]);
-        buf_add_text(out, "..");
-        decimal_write(out, &kept->range[1]);
+        interval_write(out, kept->range_channel, kept->range);
     }
     buf_printf(out, ": %zu of %zu voxels inside\n", session->roi_tally.inside,
                session->scene->grid.voxels);
@@ -400,7 +398,7 @@ void act_write_slices(struct buf *out, struct session *session)
                    s->cross[slice_axis(session->scene, plane)],
                    plane < SLICE_SAGITTAL ? ", " : "; ");
     buf_printf(out, "window %s%s %s, ",
-               s->has_window[session_shown_channel(session)] ? "" : "auto: ", least, most);
+               s->has_window[session_shown_slot(session)] ? "" : "auto: ", least, most);
     if (s->times != SLICE_TIMES_ONE)
         buf_printf(out, "magnified %g, ", s->times / 1000.0);
     if (s->has_middle)
@@ -444,7 +442,7 @@ static void write_scene(struct buf *out, const struct session *session)
         buf_add_safe_text(out, kept->channel[i].name);
         buf_printf(out, "%sdigest %016llx, %u %%\n", *kept->channel[i].name ? ", " : "",
                    (unsigned long long)channel_values_digest(kept->channel[i].values),
-                   (unsigned)kept->channel[i].percent);
+                   kept->channel[i].percent);
     }
     buf_printf(out, "values    %g * intensity %+.*g\n", geometry->slope, geometry_digits(geometry),
                geometry->intercept);

@@ -31,7 +31,8 @@ struct session;
 struct value {
     bool given;
     int64_t number; /* LABEL: its index (session/map.h); choice: its index; DECIMAL: thousandths;
-                       COLOUR: 0xrrggbb; RADIUS: voxels or nanometres; -1: a plain word */
+                       COLOUR: 0xrrggbb; RADIUS: voxels or nanometres; INTERVAL: its channel,
+                       from 0, or -1 for LOW alone; -1: a plain word */
     struct decimal real[2]; /* REAL: the first; INTERVAL: both ends */
     bool in_mm;             /* RADIUS: it is in millimetres */
     const char *text;       /* the word, if it is a choice or the type is a word */

@@ -303,23 +303,26 @@ static enum err read_range(struct value *value, const struct parameter *p, const
     return OK;
 }
 
-/* Read a REAL or an INTERVAL. */
+/* Read a REAL or an INTERVAL; of an interval that is paired with HIGH, LOW alone is accepted. */
 static enum err read_real(struct value *value, const struct parameter *p, const char *word,
-                          struct fault *fault)
+                          const struct known *known, struct fault *fault)
 {
     const bool is_interval = p->type == VALUE_INTERVAL;
     const char *at = word;
-    struct decimal *real = value->real;
-    bool reads = decimal_scan(&at, &real[0]);
-    if (reads && is_interval)
-        reads = scan_text(&at, "..") && decimal_scan(&at, &real[1]) &&
-                decimal_value(&real[0]) <= decimal_value(&real[1]);
+    unsigned channel = 0;
+    bool reads = is_interval && interval_scan(&at, &channel, value->real);
+    value->number = is_interval && !reads ? -1 : (int64_t)channel;
+    if (!reads && (!is_interval || p[1].paired))
+        reads = decimal_scan(&at, value->real);
+    if (reads && *at == '\0')
+        TRY(kept_has_channel(known->kept, channel, fault));
     return reads && *at == '\0'
                ? OK
                : report_expected(
                      fault, p, word,
                      is_interval
-                         ? "LOW..HIGH, as in 40..1200.5 or 1e-6..2.5e-6, of at most 19 digits each"
+                         ? "LOW..HIGH, as in 40..1200.5, or 2:LOW..HIGH of channel 2, of at most "
+                           "19 digits each"
                          : "a number, as in 40, -0.5 or 1.5e-3, of at most 19 digits");
 }
 
@@ -400,7 +403,7 @@ static enum err read_value(struct value *value, const struct parameter *p, const
             break;
         case VALUE_REAL:
         case VALUE_INTERVAL:
-            return read_real(value, p, word, fault);
+            return read_real(value, p, word, known, fault);
         case VALUE_DECIMAL:
             return read_number(value, p, word, 3, fault);
         case VALUE_COLOUR:
@@ -531,6 +534,11 @@ static enum err read_words(struct call *call, unsigned count, const struct known
         struct value *value = &call->value[i];
         if (!p[i].optional && !value->given)
             return usage_fault(fault, call->command, "missing: ", p[i].name);
+        if (p[i].type == VALUE_INTERVAL && p[i + 1].paired && value->given && !value->text &&
+            !value->number && !value[1].given) { /* LOW..HIGH; the canonical form is LOW HIGH */
+            value[1] = (struct value){.given = true, .real = {value->real[1]}};
+            *value = (struct value){.given = true, .number = -1, .real = {value->real[0]}};
+        }
         if (p[i].type == VALUE_LINE && value->given)
             line = value;
     }
@@ -752,6 +760,8 @@ static void write_value(struct buf *out, const struct call *call, const struct p
         buf_printf(out, "%u-%u", value->place[0], value->place[1]);
     else if (p->type == VALUE_COLOUR)
         buf_printf(out, "#%06llx", (unsigned long long)value->number);
+    else if (p->type == VALUE_INTERVAL && value->number >= 0)
+        interval_write(out, (unsigned)value->number, value->real);
     else if (p->type == VALUE_REAL || p->type == VALUE_INTERVAL)
         decimal_write(out, &value->real[0]);
     else if (value->in_mm || p->type == VALUE_DECIMAL)
@@ -760,10 +770,6 @@ static void write_value(struct buf *out, const struct call *call, const struct p
         buf_printf(out, "%lld", (long long)value->number);
     if (value->in_mm)
         buf_add_text(out, "mm");
-    if (p->type == VALUE_INTERVAL) {
-        buf_add_text(out, "..");
-        decimal_write(out, &value->real[1]);
-    }
 }
 
 static void write_corner(struct buf *out, const char *key, const uint32_t at[3])

@@ -25,10 +25,11 @@
 struct planting act_begin_planting(const struct session *session, const struct value *range)
 {
     static const struct interval all = {0, UINT16_MAX, {-1, -1}};
-    return (struct planting){
-        .within = range && range->given
-                      ? levels_within(&session->geometry, session->levels, range->real)
-                      : all};
+    const bool is_given = range && range->given;
+    const unsigned channel = is_given ? (unsigned)range->number : 0;
+    return (struct planting){.within =
+                                 is_given ? session_within(session, channel, range->real) : all,
+                             .channel = channel};
 }
 
 /* Give the planting the reach that holds no voxel. */
@@ -66,8 +67,9 @@ static size_t keep_allowed(const struct act *act, struct planting *planting, uin
     size_t kept = 0;
     for (size_t i = 0; i < count && task_advance(&task, 1); i++) {
         const struct cell *at = cells + cell[i];
-        planting->unsure += interval_splits(&planting->within, at->intensity);
-        if (!interval_holds(&planting->within, at->intensity))
+        const uint16_t intensity = scene_intensity(act->session->scene, planting->channel, cell[i]);
+        planting->unsure += interval_splits(&planting->within, intensity);
+        if (!interval_holds(&planting->within, intensity))
             planting->beyond++;
         else if (at->flags & CELL_OUTSIDE)
             planting->outside++;
@@ -126,8 +128,9 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
             "or widen the region with `mask` or `range` (`info` shows it); nothing was planted");
     if (!planting->planted && planting->beyond)
         return fault_set(act->fault, ERR_INPUT,
-                         "range: no voxel of it has such an intensity (`why X,Y,Z` prints that of "
-                         "one); nothing was planted");
+                         "range: no voxel of it has such an intensity in channel %u (`why X,Y,Z` "
+                         "prints that of one); nothing was planted",
+                         planting->channel + 1);
     if (!planting->planted && planting->others)
         return fault_set(act->fault, ERR_INPUT,
                          "all of the shell is in objects other than the one inside, label %u; "
@@ -143,18 +146,20 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
     write_left_out(&act->reply->text, "of labels that stay", planting->spared);
     write_left_out(&act->reply->text, "outside the region of interest", planting->outside);
     write_left_out(&act->reply->text, "intensities beyond the range", planting->beyond);
-    act_write_unsure(act, planting->unsure);
+    act_write_unsure(act, planting->channel, planting->unsure);
     return OK;
 }
 
-void act_write_unsure(const struct act *act, size_t voxels)
+void act_write_unsure(const struct act *act, unsigned channel, size_t voxels)
 {
+    struct geometry geometry;
     if (voxels)
         buf_printf(
             &act->reply->text,
             "%zu voxel%s a level that contains an end of the range: its width is %.3g, and values "
             "are known to half of it\n",
-            voxels, voxels == 1 ? " has" : "s have", act->session->levels->step);
+            voxels, voxels == 1 ? " has" : "s have",
+            session_scale(&geometry, act->session, channel)->step);
 }
 
 void act_add_markers(const struct act *act)
@@ -928,7 +933,8 @@ struct search {
 static bool may_belong(const struct search *s, uint32_t cell)
 {
     const struct cell *at = s->act->session->scene->cell + cell;
-    if (!interval_holds(&s->planting.within, at->intensity) || at->flags & CELL_OUTSIDE)
+    const uint16_t is = scene_intensity(s->act->session->scene, s->planting.channel, cell);
+    if (!interval_holds(&s->planting.within, is) || at->flags & CELL_OUTSIDE)
         return false;
     const int16_t seed = markers_seed(&s->act->session->markers, cell);
     return seed == EDIT_ERASE || seed == s->label;
@@ -943,7 +949,8 @@ static enum err find_pieces(struct search *s)
     while (grid_walk_next(&walk))
         for (uint32_t c = walk.row.first; c < walk.row.end; c++) {
             s->may[c] = may_belong(s, c);
-            s->unsure += interval_splits(&s->planting.within, session->scene->cell[c].intensity);
+            s->unsure += interval_splits(&s->planting.within,
+                                         scene_intensity(session->scene, s->planting.channel, c));
         }
     TRY(watch_fault(session->watch, s->act->fault));
     return components_find(&s->found, grid, s->may, session->watch, s->act->fault);
@@ -993,9 +1000,12 @@ static enum err refuse_place(const struct search *s)
     const uint32_t cell = grid_cell(&session->scene->grid, place[0], place[1], place[2]);
     const struct cell *at = session->scene->cell + cell;
     struct buf *why = act_buf(s->act);
-    if (!interval_holds(&s->planting.within, at->intensity)) {
+    const uint16_t is = scene_intensity(session->scene, s->planting.channel, cell);
+    struct geometry geometry = session->geometry;
+    const struct levels *levels = session_scale(&geometry, session, s->planting.channel);
+    if (!interval_holds(&s->planting.within, is)) {
         buf_add_text(why, "the intensity ");
-        levels_write(why, &session->geometry, session->levels, at->intensity);
+        levels_write(why, &geometry, levels, is);
         buf_add_text(why, ", beyond the range");
     } else {
         buf_add_text(why, at->flags & CELL_OUTSIDE ? "no part in the region of interest"
@@ -1043,7 +1053,7 @@ static enum err plant_object(struct search *s)
     label_report_write_name(&act->reply->text, act->session, (unsigned)s->label);
     buf_add_char(&act->reply->text, '\n');
     warn_of_no_other(s);
-    act_write_unsure(act, s->unsure);
+    act_write_unsure(act, s->planting.channel, s->unsure);
     buf_printf(&act->reply->words, "added=%zu", s->planting.planted);
     act_add_markers(act);
     return OK;

@@ -80,7 +80,8 @@ enum { VOLUMES_MOST = 65535 };
 #define BRUSH  KEYED("radius", VALUE_RADIUS, .most = 32)
 #define WITHIN KEYED("range", VALUE_INTERVAL)
 #define WITHIN_NOTE                                                                                \
-    "\nrange: plant only voxels whose intensity, as printed by `why`, is from LOW to HIGH."
+    "\nrange: plant only voxels whose intensity, as printed by `why`, is from LOW to HIGH; in "    \
+    "2:LOW..HIGH, the intensity in channel 2, whichever channel is shown."
 
 /* Parameters of exact gestures. */
 #define OVER  KEYED("over", VALUE_LABELS), KEYED("keep", VALUE_LABELS)
@@ -256,12 +257,13 @@ static const struct command command_table[] = {
      "change arc weights." MAP_NOTE,
      "mask brain.nii.gz regions=1-90"},
     {COMMAND("range", act_range, GROUP_WEIGHT, R | S | E),
-     {NEED("LOW", VALUE_REAL, .choices = "none"), PAIRED("HIGH", VALUE_REAL)},
+     {NEED("LOW", VALUE_INTERVAL, .form = "LOW", .choices = "none"), PAIRED("HIGH", VALUE_REAL)},
      "restrict trees to a range of intensities",
      "Trees grow only where the intensity, as printed by `why`, is from LOW to HIGH. Both are "
      "numbers of up to 19 digits, as in 1.5e-3, and are compared with the values of the file. If "
      "one of the scene's 16-bit levels contains LOW or HIGH, the answer has the number of voxels "
-     "of this level. If a `mask` is also set, both restrict the trees.",
+     "of this level. `range 2:LOW..HIGH` uses channel 2, whichever is shown. If a `mask` is also "
+     "set, both restrict the trees.",
      "range 40 1200.5"},
     {CALLED("label", "name|colour|color", act_label, GROUP_SEEDS, R),
      {NEED("LABEL", VALUE_LABEL, .most = 255, .makes = true),
@@ -621,7 +623,7 @@ static const struct command command_table[] = {
     {COMMAND("show-channel", act_show_channel, GROUP_SLICES, R | S),
      {NEED("N", VALUE_CHOICE, .choices = "1|2|3|4|5|6|7|8|next")},
      "show another channel in slices",
-     "Also applies to intensities in answers, in `stats` and in `range=` of commands that plant. "
+     "Also applies to intensities in answers, in `profile` and in `stats`. "
      "Each channel has its own window. `next` shows the next one, after the last the first.",
      "show-channel 2"},
     {CALLED("window", "contrast|brightness|level", act_window, GROUP_SLICES, R | S),

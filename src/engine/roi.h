@@ -2,7 +2,8 @@
 /*
  * The region of interest: the part of the scene in which the forest grows.
  *
- * A voxel is inside if the mask contains it and its intensity is within the range. The forest
+ * A voxel is inside if the mask contains it and its intensity in one channel is within the range,
+ * whichever channel is shown. The forest
  * treats a voxel outside like a cell of the rim (S2 of engine/scene.h): it belongs to no tree, no
  * tree passes it, and it is background. Weights do not depend on the region: they are a function of
  * all intensities.
@@ -18,12 +19,13 @@
 struct roi {
     const uint64_t *mask; /* bit c % 64 of word c / 64 for cell c; NULL: every voxel */
     uint16_t low, high;   /* the range, both ends included; 0 and 65535 for no range */
+    unsigned channel;     /* its channel, 0 for the first (engine/scene.h) */
 };
 
 /* The region that contains every voxel. */
 static inline struct roi roi_none(void)
 {
-    return (struct roi){NULL, 0, UINT16_MAX};
+    return (struct roi){.high = UINT16_MAX};
 }
 
 static inline bool roi_is_none(const struct roi *roi)
@@ -33,7 +35,7 @@ static inline bool roi_is_none(const struct roi *roi)
 
 static inline bool roi_holds(const struct roi *roi, const struct scene *scene, uint32_t cell)
 {
-    const uint16_t intensity = scene->cell[cell].intensity;
+    const uint16_t intensity = scene_intensity(scene, roi->channel, cell);
     return intensity >= roi->low && intensity <= roi->high &&
            (!roi->mask || roi->mask[cell >> 6] >> (cell & 63) & 1);
 }

@@ -164,6 +164,8 @@ struct scene {
     struct cell *cell;                     /* [grid.cells] */
     struct channel channel[CHANNELS_MOST]; /* borrowed; of channels that are not in the cells */
     unsigned channels;
+    unsigned shown;         /* the channel in the cells, 0 for the first; if it is another,
+                               channel[shown - 1] has the first one's intensities */
     uint32_t percent;       /* as above, for the channel in the cells */
     uint16_t *plain;        /* S4: [z][y][x], owned; else NULL */
     uint32_t spacing_nm[3]; /* between voxel centres along x, y, z */
@@ -173,6 +175,14 @@ struct scene {
     bool spacing_unknown; /* the spacing is 1 mm because it is unknown; pictures show no lengths */
     struct watch *watch;  /* watches, and may stop, work on the whole scene; or NULL */
 };
+
+/* Intensity of a voxel in a channel, 0 for the first, whichever is shown. */
+static inline uint16_t scene_intensity(const struct scene *scene, unsigned channel, uint32_t cell)
+{
+    return channel == scene->shown
+               ? scene->cell[cell].intensity
+               : scene->channel[(channel ? channel : scene->shown) - 1].intensity[cell];
+}
 
 /* Create a scene of unreached voxels with intensity 0, spacing 1 mm, and the world's axes. */
 enum err scene_new(struct scene **scene, const uint32_t size[3], struct fault *fault);

@@ -86,7 +86,7 @@ static enum err take_brush(struct config *config, const char *words, struct faul
     scan_blanks(&words);
     brush.has_range = fine && scan_text(&words, "range=");
     if (brush.has_range)
-        fine = pilot_scan_range(&words, brush.range);
+        fine = interval_scan(&words, &brush.range_channel, brush.range);
     if (!fine || !is_end(words))
         return fault_set(
             fault, ERR_USAGE,

@@ -156,6 +156,7 @@ static bool host_facts(void *context, struct pilot_facts *out)
         &session->markers, sketch->is_begun ? sketch->markers : session->markers.count);
     *out = (struct pilot_facts){
         .waiting = session_pendings(session),
+        .channel = scene->shown,
         .intensity = levels_value(&session->geometry, session->levels, scene->cell[at].intensity),
         .times = s->times,
         .frame_width = view.width,

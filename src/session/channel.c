@@ -8,6 +8,7 @@
 
 #include "base/mem.h"
 #include "base/safe.h"
+#include "image/levels.h"
 #include "image/volume_format.h"
 
 /* The intensities are another channel's while this one is in the cells, as are the scales. */
@@ -84,10 +85,48 @@ unsigned kept_channels(const struct kept *kept)
     return count;
 }
 
+enum err kept_has_channel(const struct kept *kept, unsigned channel, struct fault *fault)
+{
+    const unsigned count = kept_channels(kept) + 1;
+    return channel < count
+               ? OK
+               : fault_set(fault, ERR_USAGE,
+                           "there is no channel %u: the scene has %u; nothing has changed",
+                           channel + 1, count);
+}
+
 unsigned session_shown_channel(const struct session *session)
 {
-    const uint32_t wanted = session->now.outlook.slices.channel;
-    return session->now.kept.has_range || wanted > kept_channels(&session->now.kept) ? 0 : wanted;
+    const struct kept *kept = &session->now.kept;
+    for (unsigned i = 0; i < kept_channels(kept); i++)
+        if (kept->channel[i].slot == session->now.outlook.slices.channel)
+            return i + 1;
+    return 0;
+}
+
+unsigned session_shown_slot(const struct session *session)
+{
+    return session_shown_channel(session) ? session->now.outlook.slices.channel : 0;
+}
+
+const struct levels *session_scale(struct geometry *geometry, const struct session *session,
+                                   unsigned channel)
+{
+    const unsigned shown = session->scene->shown;
+    if (channel == shown)
+        return session->levels;
+    const struct channel_values *v = session->inside->channel[(channel ? channel : shown) - 1];
+    geometry->slope = v->slope;
+    geometry->intercept = v->intercept;
+    return v->levels;
+}
+
+struct interval session_within(const struct session *session, unsigned channel,
+                               const struct decimal range[2])
+{
+    struct geometry geometry = session->geometry;
+    const struct levels *levels = session_scale(&geometry, session, channel);
+    return levels_within(&geometry, levels, range);
 }
 
 void channel_write(struct buf *out, const struct session *session)
@@ -118,9 +157,9 @@ static void exchange(struct session *session, unsigned channel)
 void session_take_channels_out(struct session *session)
 {
     struct session_inside *inside = session->inside;
-    if (inside->shown)
-        exchange(session, inside->shown);
-    inside->shown = 0;
+    if (session->scene->shown)
+        exchange(session, session->scene->shown);
+    session->scene->shown = 0;
     for (unsigned i = 0; i < session->scene->channels; i++)
         channel_values_release(&inside->channel[i]);
     session->scene->channels = 0;
@@ -132,15 +171,15 @@ void session_put_channels_in(struct session *session)
     const struct kept *kept = &session->now.kept;
     struct scene *scene = session->scene;
     scene->channels = kept_channels(kept);
-    scene->percent = (uint32_t)kept->percent;
+    scene->percent = kept->percent;
     for (unsigned i = 0; i < scene->channels; i++) {
         inside->channel[i] = channel_values_hold(kept->channel[i].values);
         scene->channel[i] =
-            (struct channel){inside->channel[i]->intensity, (uint32_t)kept->channel[i].percent};
+            (struct channel){inside->channel[i]->intensity, kept->channel[i].percent};
     }
-    inside->shown = session_shown_channel(session);
-    if (inside->shown)
-        exchange(session, inside->shown);
+    scene->shown = session_shown_channel(session);
+    if (scene->shown)
+        exchange(session, scene->shown);
     inside->knows_window = false;
     label_measures_release(&inside->measures);
     relax_kept_release(&inside->relaxed);

@@ -96,12 +96,13 @@ enum err session_foretell(struct session *session, struct fault *fault)
 
 /* ---- the region of interest ---- */
 
-void roi_range(struct roi *roi, const struct geometry *geometry, const struct levels *levels,
+void roi_range(struct roi *roi, const struct session *session, unsigned channel,
                const struct decimal range[2])
 {
-    const struct interval interval = levels_within(geometry, levels, range);
+    const struct interval interval = session_within(session, channel, range);
     roi->low = interval.low;
     roi->high = interval.high;
+    roi->channel = channel;
 }
 
 static enum err apply_region(struct session *session, struct fault *fault)
@@ -115,7 +116,7 @@ static enum err apply_region(struct session *session, struct fault *fault)
         err = packed_take_out(kept->mask, session->inside->mask_room, session->watch, fault);
     }
     if (kept->has_range)
-        roi_range(&session->roi, &session->geometry, session->levels, kept->range);
+        roi_range(&session->roi, session, kept->range_channel, kept->range);
     session->roi_tally = roi_tally(&session->roi, session->scene);
     if (!was_none || !roi_is_none(&session->roi))
         roi_apply(&session->roi, session->scene);
@@ -422,7 +423,7 @@ static enum err check_region(const struct session *session, const struct roi *ro
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
                           const uint32_t regions[2], const uint16_t *rest, struct fault *fault)
 {
-    const struct roi roi = {mask, session->roi.low, session->roi.high};
+    const struct roi roi = {mask, session->roi.low, session->roi.high, session->roi.channel};
     struct state next = session->now;
     OWNED(packed_release) struct packed *packed = NULL, *packed_rest = NULL;
     TRY(check_region(session, &roi, fault));
@@ -448,15 +449,16 @@ enum err session_take_rest(const struct session *session, uint16_t **rest, struc
                    : fault_memory(fault, "the regions that are kept");
 }
 
-enum err session_set_range(struct session *session, const struct decimal range[2],
+enum err session_set_range(struct session *session, unsigned channel, const struct decimal range[2],
                            struct fault *fault)
 {
-    struct roi roi = {session->roi.mask, 0, UINT16_MAX};
+    struct roi roi = {session->roi.mask, 0, UINT16_MAX, 0};
     struct state next = session->now;
     if (range)
-        roi_range(&roi, &session->geometry, session->levels, range);
+        roi_range(&roi, session, channel, range);
     TRY(check_region(session, &roi, fault));
     next.kept.has_range = range != NULL;
+    next.kept.range_channel = channel;
     for (int i = 0; i < 2; i++)
         next.kept.range[i] = range ? range[i] : (struct decimal){0, 0, 0};
     return session_go(session, &next, NULL, 0, fault);

@@ -425,9 +425,20 @@ enum err channel_values_new(struct channel_values **values, const struct session
                             struct volume *volume, struct fault *fault);
 uint64_t channel_values_digest(const struct channel_values *values);
 
-/* The channel in the cells, 0 for the first: the outlook's; the first one while a range restricts
- * trees, which is a range of its intensities. */
+/* ERR_USAGE if there is no such channel, from 0. */
+enum err kept_has_channel(const struct kept *kept, unsigned channel, struct fault *fault);
+
+/* The channel in the cells, 0 for the first: the outlook's, if it exists; and its slot. */
 unsigned session_shown_channel(const struct session *session);
+unsigned session_shown_slot(const struct session *session);
+
+/* Set slope and intercept of *geometry to those of a channel, and return its levels, or NULL. */
+const struct levels *session_scale(struct geometry *geometry, const struct session *session,
+                                   unsigned channel);
+
+/* Intensities of a channel whose real values are in a range. */
+struct interval session_within(const struct session *session, unsigned channel,
+                               const struct decimal range[2]);
 
 /* "channel 2 FLAIR": the channel that is shown. */
 void channel_write(struct buf *out, const struct session *session);
@@ -443,7 +454,7 @@ enum err session_set_weight_map(struct session *session, const char *name, const
  * the regions that the mask excludes and that maps of labels keep, [z][y][x], or NULL. */
 enum err session_set_mask(struct session *session, const uint64_t *mask, const char *name,
                           const uint32_t regions[2], const uint16_t *rest, struct fault *fault);
-enum err session_set_range(struct session *session, const struct decimal range[2],
+enum err session_set_range(struct session *session, unsigned channel, const struct decimal range[2],
                            struct fault *fault);
 
 /* Unpack the regions `rest` of session_set_mask into a new array *rest, which the caller frees,

@@ -70,7 +70,6 @@ struct session_inside {
     struct label_measures measures;  /* measures of the forest's labels, after the first request */
 
     struct channel_values *channel[CHANNELS_MOST]; /* those of the scene, held */
-    unsigned shown;                                /* the channel in the cells, 0 for the first */
 
     bool knows_window; /* session_find_window */
     int32_t window[2];
@@ -99,9 +98,9 @@ struct session_inside {
 /* Close the scene, complete or not. */
 void session_close_scene(struct session *session);
 
-/* Set roi->low..high to the intensities whose real values are in a range (image/levels.h); low
- * is above high for an empty range. */
-void roi_range(struct roi *roi, const struct geometry *geometry, const struct levels *levels,
+/* Set the range of a region to the intensities of a channel whose real values are in `range`
+ * (image/levels.h); low is above high for an empty range. */
+void roi_range(struct roi *roi, const struct session *session, unsigned channel,
                const struct decimal range[2]);
 
 /* Compute the geometry and the scene's axes from the file and `orient`. */

@@ -121,8 +121,9 @@ struct landmark {
 struct channel_values; /* counted; channel.c */
 struct kept_channel {
     struct channel_values *values; /* NULL: none */
-    uint64_t percent;              /* scales its weights */
-    char name[LABEL_NAME_BYTES];   /* "" for none */
+    uint32_t percent;              /* scales its weights */
+    uint32_t slot; /* 1..CHANNELS_MOST: index of its window, for as long as the channel exists */
+    char name[LABEL_NAME_BYTES]; /* "" for none */
 };
 
 /* No padding between members, here and below (tests/test_setting.c). */
@@ -146,7 +147,8 @@ struct kept {
     struct packed *rest; /* regions that the mask excludes (`labels rest=keep`): uint16 numbers in
                             files [z][y][x], 0 for none; or NULL */
     struct kept_channel channel[CHANNELS_MOST]; /* used ones first */
-    uint64_t percent;                           /* scales the first channel's weights */
+    uint32_t percent;                           /* scales the first channel's weights */
+    uint32_t range_channel;                     /* channel of the range, 0 for the first */
     char weight_file[FILE_WORDS_BYTES];         /* names of both, cut if long; "" for none */
     char mask_file[FILE_WORDS_BYTES];
     uint32_t mask_regions[2];            /* first and last */
@@ -165,7 +167,8 @@ struct slice_settings {
                        zoom is not 0 */
     uint32_t has_middle; /* 0 or 1: magnified pictures are centred at */
     uint32_t middle[3];  /* this voxel; otherwise at the cross-hair */
-    uint32_t channel; /* the channel shown, 0 for the first (session_shown_channel); by channel: */
+    uint32_t channel;    /* slot of the channel shown, 0 for the first (session_shown_channel); by
+                         slot: */
     uint32_t
         has_window[CHANNELS_MOST + 1]; /* 0 or 1; otherwise the window follows from the scene */
     struct decimal window[CHANNELS_MOST + 1][2]; /* real values, black and white */

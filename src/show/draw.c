@@ -36,15 +36,15 @@ static int32_t intensity_of(const struct geometry *geometry, const struct decima
 void window_of(int32_t window[2], struct session *session)
 {
     const struct slice_settings *s = &session->now.outlook.slices;
-    const unsigned channel = session_shown_channel(session);
+    const unsigned slot = session_shown_slot(session);
     const struct geometry *geometry = &session->geometry;
     const bool falls = geometry->slope < 0;
     int32_t found[2];
-    if (!s->has_window[channel])
+    if (!s->has_window[slot])
         session_find_window(session, found);
     for (int i = 0; i < 2; i++)
-        window[i] = s->has_window[channel] ? intensity_of(geometry, &s->window[channel][i])
-                                           : found[falls ? 1 - i : i];
+        window[i] = s->has_window[slot] ? intensity_of(geometry, &s->window[slot][i])
+                                        : found[falls ? 1 - i : i];
     if (window[0] == window[1])
         window[1] += falls ? -1 : 1;
 }
@@ -52,12 +52,12 @@ void window_of(int32_t window[2], struct session *session)
 void window_values(double value[2], struct session *session)
 {
     const struct slice_settings *s = &session->now.outlook.slices;
-    const unsigned channel = session_shown_channel(session);
+    const unsigned slot = session_shown_slot(session);
     int32_t window[2];
     window_of(window, session);
     for (int i = 0; i < 2; i++)
-        value[i] = s->has_window[channel] ? decimal_value(&s->window[channel][i])
-                                          : geometry_value(&session->geometry, window[i]);
+        value[i] = s->has_window[slot] ? decimal_value(&s->window[slot][i])
+                                       : geometry_value(&session->geometry, window[i]);
 }
 
 /* Write "12.5", or four digits of a value too small for thousandths. */

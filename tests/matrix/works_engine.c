@@ -96,7 +96,7 @@ static void excludes(struct team *team)
     struct edit edit[WORKS_SEEDS];
     struct fault fault;
     OWNED(mem_release) uint64_t *bits = mem_new(mask_bytes(&scene->grid));
-    struct roi roi = {bits, 20, 210};
+    struct roi roi = {bits, 20, 210, 0};
     size_t count = 0;
     must_hold(bits != NULL, "room for a mask");
     for (uint32_t c = 0; c < scene->grid.cells; c++)

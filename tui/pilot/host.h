@@ -48,6 +48,7 @@ struct pilot_facts {
     size_t waiting;       /* edits that will take effect at the next run */
     char known[PILOT_KNOWN][PILOT_KNOWN_BYTES]; /* facts of the voxel, in words; "" if unknown */
     double intensity;                           /* intensity of the voxel, as a real value */
+    unsigned channel;                           /* its channel, from 0: the one that is shown */
     double window[2];                           /* black and white, in real values */
     uint32_t zoom;                              /* zoom of the rendition, in thousandths */
     uint32_t default_zoom; /* with this zoom and the scene in the centre the view fits by itself */

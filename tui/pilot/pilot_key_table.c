@@ -231,7 +231,7 @@ const struct pilot_row pilot_table[] = {
 
     {KEY("preset", "1-9", WINDOWING, SILENT), DO(pilot_preset, 0)},
     {KEY("window-auto", "a", WINDOWING, SILENT), .command = "window auto\n", HINT("auto")},
-    {KEY("digits", "0-9 . - e", RANGING, STAYS), DO(pilot_type_range, 0)},
+    {KEY("digits", "0-9 . - e :", RANGING, STAYS), DO(pilot_type_range, 0)},
     {KEY("erase", "Backspace", RANGING, STAYS), DO(pilot_erase_typed, 0)},
     {KEY("take-range", "Enter", RANGING, 0), DO(pilot_end_range, 0), HINT("sets it")},
     {KEY("keep-range", "Escape", RANGING, 0), HINT("leaves")},

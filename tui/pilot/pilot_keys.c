@@ -202,7 +202,8 @@ static bool has_same_brush(const struct pilot_state *state)
 {
     const struct pilot_brush *a = &state->pen.brush, *b = &state->brush;
     const bool in_same = a->has_range == b->has_range &&
-                         (!a->has_range || memcmp(a->range, b->range, sizeof a->range) == 0);
+                         (!a->has_range || (a->range_channel == b->range_channel &&
+                                            memcmp(a->range, b->range, sizeof a->range) == 0));
     return state->pen.is_down && a->label == b->label && a->radius == b->radius &&
            a->in_mm == b->in_mm && in_same && a->growth == b->growth && a->limit == b->limit &&
            (!a->limit || a->limit_label == b->limit_label);

@@ -65,8 +65,9 @@ struct pilot_brush {
     unsigned radius; /* voxels, or half millimetres with in_mm; 0 for one voxel */
     bool in_mm;
     bool fits;      /* the radius was not chosen: limit it by the size of the scene */
-    bool has_range; /* plant only in voxels whose intensity is within these real values */
+    bool has_range; /* plant only in voxels whose intensity is within these real values, */
     struct decimal range[2];
+    unsigned range_channel; /* of this channel, from 0 */
     enum brush_growth growth;
     enum brush_limit limit;
     uint32_t limit_label; /* the label of BRUSH_OVER or BRUSH_KEEP */
@@ -459,8 +460,6 @@ bool pilot_outline_to(struct press *p, const uint32_t place[3]);
 /* Discard the present outline, and return to the mode without one. */
 void pilot_end_outline(struct pilot_state *state);
 void pilot_outline_click(struct press *p, const uint32_t place[3], enum pilot_pane pane);
-/* Read LOW..HIGH; return false if `at` begins with something else. */
-bool pilot_scan_range(const char **at, struct decimal range[2]);
 /* Go there without drawing and remember the place before, for pilot_go_back. */
 void pilot_remember_place(struct press *p);
 void pilot_jump(struct press *p, const uint32_t place[3]);
@@ -485,9 +484,8 @@ void pilot_add_exact(struct press *p, const struct pilot_brush *brush);
 /* Return true if a command with these limits would be accepted, for a single ball or for another
  * gesture; otherwise say what to do. */
 bool pilot_may_plant(struct press *p, bool is_ball);
-/* Add "2.5mm", or "80..120". */
+/* Add "2.5mm". */
 void pilot_add_radius(struct buf *out, const struct pilot_brush *brush);
-void pilot_add_range(struct buf *out, const struct pilot_brush *brush);
 /* A place in a command: buf_printf(line, "cross " PLACE, XYZ(place)). */
 #define PLACE      "%u,%u,%u"
 #define XYZ(place) (place)[0], (place)[1], (place)[2]

@@ -3,6 +3,7 @@
 #include "tui/pilot/pilot_keys.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/scan.h"
@@ -44,7 +45,7 @@ static void say_brush(struct press *p)
     pilot_add_radius(p->message, brush);
     if (brush->has_range) {
         buf_add_text(p->message, ", intensities ");
-        pilot_add_range(p->message, brush);
+        interval_write(p->message, brush->range_channel, brush->range);
     }
     buf_add_text(p->message, pilot_is_exact(brush, p->facts) ? ", exact" : "");
     if (brush->limit) {
@@ -128,6 +129,7 @@ void pilot_take_range(struct press *p)
             : width > 1 && width < 1e12 ? (double)(int64_t)width
                                         : width;
     brush->has_range = true;
+    brush->range_channel = p->facts->channel;
     brush->range[0] = pilot_decimal(here - width);
     brush->range[1] = pilot_decimal(here + width);
     say_brush(p);
@@ -136,6 +138,8 @@ void pilot_take_range(struct press *p)
 void pilot_begin_range(struct press *p)
 {
     p->state->typed[0] = '\0';
+    if (p->facts->channel)
+        snprintf(p->state->typed, sizeof p->state->typed, "%u:", p->facts->channel + 1);
 }
 
 void pilot_type_range(struct press *p)
@@ -154,25 +158,20 @@ void pilot_erase_typed(struct press *p)
     p->state->typed[length ? length - 1 : 0] = '\0';
 }
 
-bool pilot_scan_range(const char **at, struct decimal range[2])
-{
-    return decimal_scan(at, &range[0]) && scan_text(at, "..") && decimal_scan(at, &range[1]) &&
-           decimal_value(&range[0]) <= decimal_value(&range[1]);
-}
-
-/* Without digits remove the range. */
+/* Without digits, except for those of the channel, remove the range. */
 void pilot_end_range(struct press *p)
 {
     struct pilot_brush *brush = &p->state->brush;
-    const char *at = p->state->typed;
+    const char *at = p->state->typed, *prefix = strchr(at, ':');
+    const bool is_none = !*at || (prefix && !prefix[1]);
     struct decimal range[2];
-    if (*at && !(pilot_scan_range(&at, range) && *at == '\0')) {
+    if (!is_none && !(interval_scan(&at, &brush->range_channel, range) && *at == '\0')) {
         buf_printf(p->message,
                    "expected LOW..HIGH, as in 40..1200.5, not %s; the brush is unchanged",
                    p->state->typed);
         return;
     }
-    brush->has_range = p->state->typed[0] != '\0';
+    brush->has_range = !is_none;
     if (brush->has_range)
         memcpy(brush->range, range, sizeof range);
     say_brush(p);

@@ -177,14 +177,6 @@ void pilot_add_radius(struct buf *out, const struct pilot_brush *brush)
     buf_add_text(out, brush->in_mm ? "mm" : "");
 }
 
-/* "80..120" */
-void pilot_add_range(struct buf *out, const struct pilot_brush *brush)
-{
-    decimal_write(out, &brush->range[0]);
-    buf_add_text(out, "..");
-    decimal_write(out, &brush->range[1]);
-}
-
 const char *const pilot_limits[] = {
     [BRUSH_ALL] = "", [BRUSH_OVER] = " over", [BRUSH_KEEP] = " keep"};
 
@@ -225,7 +217,7 @@ void pilot_add_label(struct press *p, const struct pilot_brush *brush)
     buf_printf(p->line, " %u", brush->label);
     if (brush->has_range) {
         buf_add_text(p->line, " range=");
-        pilot_add_range(p->line, brush);
+        interval_write(p->line, brush->range_channel, brush->range);
     }
     pilot_add_exact(p, brush);
 }
@@ -238,7 +230,7 @@ void pilot_add_brush(struct buf *out, const struct pilot_brush *brush)
     }
     if (brush->has_range) {
         buf_add_char(out, ' ');
-        pilot_add_range(out, brush);
+        interval_write(out, brush->range_channel, brush->range);
     }
 }
 
