@@ -111,6 +111,94 @@ expect 0 "$iftty" -c "open case_0000.nii; $seeds; range 90 310; channel case_000
     --journal range.iftty
 expect 0 "$iftty" verify range.iftty
 
+begin "a channel is read from --channel, and elsewhere for a record with its proof"
+mkdir here there
+cp case_0000.nii here
+cp case_0001.nii there/flair.nii
+cp a-real.nii there/real.nii
+expect_in here 0 "$iftty" -c "open case_0000.nii; channel ../there/flair.nii
+    channel ../there/real.nii name=real; $seeds; range 3:10..50" --journal c.iftty
+grep -q '^channel ../there/flair.nii$' here/c.iftty || fail "$(cat here/c.iftty)"
+for way in "" "$PYTHON -I -S $top/tests/volumes/without_landlock.py"; do
+    expect 0 $way "$iftty" verify here/c.iftty
+    expect 0 $way "$iftty" replay here/c.iftty
+done
+mv there away
+expect_out "there is no file flair.nii next to the journal or among the scenes" 3 \
+    "$iftty" verify here/c.iftty
+out_has "the channel of this record is not at ../there/flair.nii: "
+out_has "expected --channel FILE"
+expect 3 "$iftty" verify here/c.iftty --channel away/flair.nii
+expect 0 "$iftty" verify here/c.iftty --channel away/flair.nii --channel away/real.nii
+expect 0 "$iftty" replay here/c.iftty --channel=away/flair.nii --channel=away/real.nii
+expect 0 "$iftty" diff here/c.iftty here/c.iftty --channel away/flair.nii --channel away/real.nii
+expect_out "a file that the command read holds something else" 1 \
+    "$iftty" verify here/c.iftty --channel away/real.nii --channel away/flair.nii
+expect 2 "$iftty" verify here/c.iftty $(seq -f '--channel x%g' 8)
+err_has "--channel: expected at most 7"
+expect 2 "$iftty" verify here/c.iftty --scene a --scene b
+
+begin "any other file elsewhere is a missing channel, and a changed one beside the journal is found"
+mv away none
+expect 3 "$iftty" verify here/c.iftty
+cp out missing
+for kind in other small text cut folder; do
+    rm -rf there
+    cp -r none there
+    case $kind in
+    other) flip_byte there/flair.nii 9000 ;;
+    small) cp small.nii there/flair.nii ;;
+    text) echo secret >there/flair.nii ;;
+    cut) head -c 9000 none/flair.nii >there/flair.nii ;;
+    folder) rm there/flair.nii; mkdir there/flair.nii ;;
+    esac
+    expect 3 "$iftty" verify here/c.iftty
+    cmp -s out missing || fail "$kind: $(diff out missing)"
+done
+rm -r there
+cp none/flair.nii none/real.nii here
+expect 0 "$iftty" verify here/c.iftty
+flip_byte here/flair.nii 9000
+expect_out "a file that the command read holds something else" 1 "$iftty" verify here/c.iftty
+cp none/flair.nii here/flair.nii
+"$PYTHON" -c 'import nibabel; i = nibabel.load("none/real.nii")
+nibabel.save(nibabel.Nifti1Image(i.get_fdata(dtype="f4") * 2, i.affine), "here/real.nii")'
+expect_out "record 3" 1 "$iftty" verify here/c.iftty
+
+begin "a channel of a part of a scene is not read elsewhere"
+cp -r none there
+rm here/flair.nii
+expect_in here 0 "$iftty" -c "open case_0000.nii crop=0-0,0-0,0-0; channel ../there/flair.nii" \
+    --journal part.iftty
+expect 3 "$iftty" verify here/part.iftty
+out_has "the journal may not read ../there/flair.nii: there is no file flair.nii next to"
+expect 0 "$iftty" verify here/part.iftty --channel there/flair.nii
+
+begin "several files of the command line are a scene and its channels"
+for program in "" serve; do
+    rm -f files.iftty
+    expect 0 "$iftty" $program case_0000.nii case_0001.nii --journal files.iftty </dev/null
+    same "$("$iftty" log --script files.iftty | grep -v '^#' | tr '\n' ';')" \
+        "open case_0000.nii weight=morph;channel case_0001.nii;auto on;"
+done
+rm -f files.iftty
+expect 3 "$iftty" case_0000.nii small.nii --journal files.iftty </dev/null
+expect 2 "$iftty" j.iftty case_0001.nii </dev/null
+err_has "j.iftty is a journal; expected no other file"
+expect 2 "$iftty" -c "open case_0000.nii case_0001.nii"
+err_has '`channel FILE` adds another file'
+
+begin "answers about intensities name the channel, if there are several"
+for channels in "" "channel case_0001.nii name=FLAIR; show-channel 2"; do
+    rm -f s.json s.csv
+    expect 0 "$iftty" -c "open case_0000.nii; $channels; $seeds; profile 20,25,20 42,25,20
+        stats report=s.json; stats report=s.csv"
+    same "$(grep -c "s of channel 2 FLAIR\|s in channel 2 FLAIR: " out)" \
+        "$([ "$channels" ] && echo 3 || echo 0)"
+    same "$(grep -c '"intensity_channel": 2' s.json)$(grep -c ',intensity_channel$' s.csv)" \
+        "$([ "$channels" ] && echo 11 || echo 00)"
+done
+
 begin "refusals"
 refused() { # COMMANDS WORDS
     expect 2 "$iftty" -c "open case_0000.nii; channel case_0001.nii; $1"

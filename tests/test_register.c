@@ -262,7 +262,7 @@ int main(void)
     struct fault fault = {0};
     register_helper_program = built_program("iftty-register");
     if (!make_folder(folder, "register") || interpreter_init(&interp, NULL) != OK ||
-        interpreter_find_scene(&interp, "ch2.nii.gz", false, &scene, &fault) != OK ||
+        interpreter_find_scene(&interp, 0, "ch2.nii.gz", false, &scene, &fault) != OK ||
         volume_read(&ch2, buf_text(&scene), NULL, NULL, &fault) != OK ||
         subject_make(&procedure, &ch2, &(struct deformation){.noise = 0}, COARSE) != OK) {
         printf("# %s\nnot ok 1 - there is a scene\n1..1\n", fault.text);

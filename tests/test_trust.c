@@ -278,8 +278,7 @@ static int wrongs_while_confined(void)
                                         .journals = 1,
                                         .scenes = "/nowhere",
                                         .written = written,
-                                        .outside = outside,
-                                        .scene = scene};
+                                        .given = (const char *[]){outside, scene, NULL}};
     const bool is_confined = trust_confine(&places);
     int wrong = !is_confined;
     wrong |= !may_open(below_top("in/a"), O_RDONLY) << 1;

@@ -261,6 +261,13 @@ enum err act_find_voxels(const struct act *act, const struct value *to, struct v
 struct record_word;
 bool act_find_recorded(const struct act *act, const char *key, struct record_word *word);
 
+/* Find the proof of the voxels that the command read, in its record (T1 of command/trust.h). */
+bool act_find_proof(const struct act *act, char proof[SHA256_HEX]);
+
+/* Add the words about levels: the ends of the scale, the number of voxels beyond each, and a digest
+ * of the file's values; nothing for NULL. */
+void act_add_levels(const struct act *act, const struct levels *levels);
+
 /* Add the numbers of the command's new markers to the words of the record. */
 void act_add_markers(const struct act *act);
 

@@ -348,7 +348,9 @@ enum err act_profile(const struct act *act)
     if (p.steps >= p.columns)
         buf_printf(out, ", %.2g in a column", (double)(p.steps + 1) / p.columns);
     const int digits = geometry_digits(&p.session->geometry);
-    buf_printf(out, "; values %.*g to %.*g, mean %.*g\n", digits, p.least, digits, p.most, digits,
+    buf_add_text(out, "; values ");
+    channel_write_in(out, p.session);
+    buf_printf(out, "%.*g to %.*g, mean %.*g\n", digits, p.least, digits, p.most, digits,
                p.sum / (double)(p.steps + 1));
     levels_write_scale(out, p.session->levels, "");
     if (act_is_yes(act, "values")) {

@@ -94,6 +94,7 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
         .label_number = number,
         .geometry = &session->geometry,
         .levels = session->levels,
+        .channel = kept_channels(&session->now.kept) ? session_shown_channel(session) + 1 : 0,
         .listed = listed};
     TRY(count_labels(&counts, act));
     for (unsigned label = 1; label < 256; label++)
@@ -117,6 +118,11 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
     buf_add_text(out, "weight ");
     act_write_weight(out, &session->now.kept);
     buf_add_char(out, '\n');
+    if (report.channel) {
+        buf_add_text(out, "intensities of ");
+        channel_write(out, session);
+        buf_add_char(out, '\n');
+    }
     levels_write_scale(out, session->levels, "");
     act_write_region(out, session);
     act_write_finish(out, session);

@@ -187,7 +187,7 @@ static void write_orientation(const struct act *act)
 /* Find the file of a scene. A journal is rejected: `open` does not resume it. */
 static enum err find_scene(const struct act *act, const char *name, bool by_proof, struct buf *path)
 {
-    const enum err err = interpreter_find_scene(act->interp, name, by_proof, path, act->fault);
+    const enum err err = interpreter_find_scene(act->interp, 0, name, by_proof, path, act->fault);
     if (!err && interpreter_is_journal(buf_text(path)))
         return fault_set(act->fault, ERR_INPUT,
                          "%s is a journal, and `open` opens scenes; `iftty %s` in a shell resumes "
@@ -225,15 +225,13 @@ static enum err take_first_weight(const struct act *act, bool *recorded)
     return session_go(session, &next, NULL, 0, act->fault);
 }
 
-/* Get the proof of a scene from the current record; only for a whole file with a header. */
-static bool has_proof(const struct act *act, const struct volume_choice *choice,
-                      char proof[SHA256_HEX])
+bool act_find_proof(const struct act *act, char proof[SHA256_HEX])
 {
     static const char key[] = "sha256";
     const char *words = act->interp->replayed_words;
     struct record_word word;
-    if (!words || choice->raw.size[0] || choice->has_crop || choice->reduce ||
-        !record_word_find(words, key, strlen(key), &word) || word.value_length != SHA256_HEX - 1)
+    if (!words || !record_word_find(words, key, strlen(key), &word) ||
+        word.value_length != SHA256_HEX - 1)
         return false;
     snprintf(proof, SHA256_HEX, "%.*s", (int)word.value_length, word.value);
     return true;
@@ -251,7 +249,7 @@ static enum err open_outside(const struct act *act, const char *name, struct vol
     choice->proof = proof;
     if (watch)
         watch->is_quiet = true;
-    if (!session->has_scene && interpreter_find_outside(act->interp, name, path))
+    if (!session->has_scene && interpreter_find_outside(act->interp, 0, name, path))
         session_open(session, buf_text(path), choice, &unsaid);
     if (watch)
         watch->is_quiet = false;
@@ -304,6 +302,14 @@ static void offer_channel(const struct act *act, const char *path, const char *n
     buf_add_text(&act->reply->text, "`\n");
 }
 
+void act_add_levels(const struct act *act, const struct levels *levels)
+{
+    if (levels)
+        buf_printf(&act->reply->words, " scale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
+                   levels->ends[0], levels->ends[1], levels->beyond[0], levels->beyond[1],
+                   (unsigned long long)levels_digest(levels));
+}
+
 enum err act_open(const struct act *act)
 {
     struct buf *path = act_buf(act);
@@ -317,7 +323,9 @@ enum err act_open(const struct act *act)
     choice.as_recorded = act->interp->mode != MODE_LIVE;
     choice.list = choice.as_recorded ? NULL : &act->reply->list;
     TRY(take_first_weight(act, &has_weight));
-    const bool by_proof = has_proof(act, &choice, proof);
+    /* only for a whole file with a header */
+    const bool by_proof =
+        !choice.raw.size[0] && !choice.has_crop && !choice.reduce && act_find_proof(act, proof);
     if (by_proof)
         TRY(open_outside(act, name, &choice, proof));
     if (!session->has_scene || had_scene) {
@@ -334,13 +342,7 @@ enum err act_open(const struct act *act)
     write_orientation(act);
     if (!by_proof)
         offer_channel(act, buf_text(path), name);
-    /* For inexact intensities: the ends of the scale, the number of voxels beyond each, and a
-     * digest of the file's values. */
-    const struct levels *levels = session->levels;
-    if (levels)
-        buf_printf(&act->reply->words, " scale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
-                   levels->ends[0], levels->ends[1], levels->beyond[0], levels->beyond[1],
-                   (unsigned long long)levels_digest(levels));
+    act_add_levels(act, session->levels);
     if (*session->proof)
         buf_printf(&act->reply->words, " sha256=%s", session->proof);
     return OK;

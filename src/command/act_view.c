@@ -78,17 +78,63 @@ static enum err check_channels(const struct act *act, enum weight_kind kind)
                            "gauss; nothing has changed");
 }
 
-/* Read the file of a further channel, and add its digest. */
+/* Read a channel; its proof is that of a scene with these voxels. */
+static enum err read_volume(struct volume *volume, char proof[SHA256_HEX], const struct act *act,
+                            const struct map_place *place, const char *path, struct fault *fault)
+{
+    struct watch *watch = act->session->watch;
+    struct scene scene = *act->session->scene;
+    TRY(map_read(volume, path, place, watch, fault));
+    scene.plain = volume->intensity;
+    scene_proof(proof, &scene);
+    return watch_fault(watch, fault);
+}
+
+/* Read a file outside of the allowed folders if it has the voxels of the record's proof. Otherwise
+ * report nothing, and *volume is empty; only a stop is an error. */
+static enum err read_outside(struct volume *volume, const struct act *act, unsigned channel,
+                             const char *recorded)
+{
+    struct watch *watch = act->session->watch;
+    struct map_place place = act_map_place(act);
+    struct buf *path = act_buf(act);
+    struct fault unsaid = {0};
+    char proof[SHA256_HEX] = "";
+    place.choice.proof = recorded;
+    if (watch)
+        watch->is_quiet = true;
+    if (!interpreter_find_outside(act->interp, channel, act_text(act, "FILE"), path) ||
+        read_volume(volume, proof, act, &place, buf_text(path), &unsaid) != OK ||
+        strcmp(proof, recorded) != 0)
+        volume_release(volume);
+    if (watch)
+        watch->is_quiet = false;
+    return watch_fault(watch, act->fault);
+}
+
+/* Read the file of the next channel; add its digest and its proof. */
 static enum err read_channel(struct channel_values **values, const struct act *act)
 {
     struct session *session = act->session;
     const struct map_place place = act_map_place(act);
+    const unsigned channel = kept_channels(&act->next->kept) + 1;
     OWNED(volume_release) struct volume volume = {0};
     struct buf *path = act_buf(act);
-    TRY(interpreter_find_file(act->interp, act_text(act, "FILE"), path, act->fault));
-    TRY(map_read(&volume, buf_text(path), &place, session->watch, act->fault));
+    char proof[SHA256_HEX];
+    /* only for whole files on the grid of a whole file (T1) */
+    const bool by_proof = !session->part.whole[0] && !call_has(act->call, "resample|data") &&
+                          act_find_proof(act, proof);
+    if (by_proof)
+        TRY(read_outside(&volume, act, channel, proof));
+    if (!volume.intensity) {
+        TRY(interpreter_find_scene(act->interp, channel, act_text(act, "FILE"), by_proof, path,
+                                   act->fault));
+        TRY(read_volume(&volume, proof, act, &place, buf_text(path), act->fault));
+    }
+    act_add_levels(act, volume.levels);
     TRY(channel_values_new(values, session, &volume, act->fault));
     act_add_digest(act, "channel", channel_values_digest(*values));
+    buf_printf(&act->reply->words, " sha256=%s", proof);
     buf_add_text(&act->reply->text, volume.notes);
     return OK;
 }

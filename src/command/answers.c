@@ -119,11 +119,7 @@ void act_write_voxel(struct buf *out, const struct session *session, uint32_t at
     if (geometry_has_place(&session->geometry))
         buf_printf(out, " at %.1f,%.1f,%.1f mm", mm[0], mm[1], mm[2]);
     buf_add_text(out, ": intensity ");
-    if (kept_channels(&session->now.kept)) {
-        buf_add_text(out, "in ");
-        channel_write(out, session);
-        buf_add_text(out, ": ");
-    }
+    channel_write_in(out, session);
     levels_write(out, &session->geometry, session->levels, cell->intensity);
     buf_add_text(out, ", ");
     write_voxel_weight(out, session, cell);

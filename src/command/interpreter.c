@@ -164,9 +164,10 @@ static enum err find_below(const struct interpreter *interp, const char *name, s
     if (!leads_out)
         return err;
     return fault_prefix(fault, err,
-                        sought->by_proof   ? "the scene of this record is not at %s"
-                        : sought->is_scene ? "the journal may not open %s"
-                                           : "the journal may not read %s",
+                        !sought->by_proof  ? sought->is_scene ? "the journal may not open %s"
+                                                              : "the journal may not read %s"
+                        : sought->is_scene ? "the scene of this record is not at %s"
+                                           : "the channel of this record is not at %s",
                         name);
 }
 
@@ -197,35 +198,47 @@ static enum err find_file(const struct interpreter *interp, const char *name, st
     if (!found)
         return fault_set(fault, ERR_IO, "there is no %s %s here%s%s; nothing %s", sought->kind,
                          name, interp->home.length ? " nor next to the journal" : "",
-                         sought->is_scene && interp->mode != MODE_LIVE ? "; expected --scene FILE"
-                                                                       : "",
-                         sought->undone);
+                         interp->mode != MODE_LIVE ? sought->hint : "", sought->undone);
     return OK;
 }
 
-enum err interpreter_find_scene(const struct interpreter *interp, const char *name, bool by_proof,
-                                struct buf *path, struct fault *fault)
+/* The file given by --scene, or for a channel, from 1, by --channel; NULL without one. */
+static const char *given_path(const struct interpreter *interp, unsigned channel)
 {
-    const bool synthetic = strncmp(name, "synth:", 6) == 0;
-    if (!synthetic && !interp->scene_path) {
-        const struct trust_sought sought = {"scene", "was opened", true, by_proof};
-        return find_file(interp, name, path, &sought, fault);
-    }
+    return !channel               ? interp->scene_path
+           : interp->channel_path ? interp->channel_path[channel - 1]
+                                  : NULL;
+}
+
+enum err interpreter_find_scene(const struct interpreter *interp, unsigned channel,
+                                const char *name, bool by_proof, struct buf *path,
+                                struct fault *fault)
+{
+    const struct trust_sought sought[] = {
+        {"scene", "was opened", "; expected --scene FILE", true, by_proof},
+        {"file", "has changed", "; expected --channel FILE", false, by_proof}};
+    const char *given = given_path(interp, channel);
+    if (!channel && strncmp(name, "synth:", 6) == 0)
+        given = name;
+    if (!given)
+        return find_file(interp, name, path, &sought[channel > 0], fault);
     buf_clear(path);
-    buf_add_text(path, synthetic ? name : interp->scene_path);
+    buf_add_text(path, given);
     return path->failed ? fault_memory(fault, "a path") : OK;
 }
 
-bool interpreter_find_outside(const struct interpreter *interp, const char *name, struct buf *path)
+bool interpreter_find_outside(const struct interpreter *interp, unsigned channel, const char *name,
+                              struct buf *path)
 {
-    return interpreter_is_wary(interp) && !interp->scene_path && strncmp(name, "synth:", 6) != 0 &&
+    return interpreter_is_wary(interp) && !given_path(interp, channel) &&
+           strncmp(name, "synth:", 6) != 0 &&
            trust_find_outside(path, buf_text(&interp->home), interpreter_scenes(), name);
 }
 
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
                                struct fault *fault)
 {
-    static const struct trust_sought sought = {"file", "has changed", false, false};
+    static const struct trust_sought sought = {"file", "has changed", "", false, false};
     return find_file(interp, name, path, &sought, fault);
 }
 

@@ -80,6 +80,9 @@ struct interpreter {
 
     struct buf home; /* path of the current journal: golden images and scenes are next to it */
     const char *scene_path; /* the scene to open in place of any name given to `open`, or NULL */
+    const char *const
+        *channel_path;      /* files to read as channels 2, 3 ... in place of the names given
+                                        to `channel`, ended by NULL; or NULL */
     const char *out_folder; /* folder for all files, by their last names; NULL: names as given */
 
     /* Lists of names, each ended by NUL. `made`: files written by this replay, which it may
@@ -155,16 +158,19 @@ void interpreter_write_lock(const struct interpreter *interp, struct buf *told);
 /* $IFTTY_SCENES: folders separated by colons; by default Debian's mricron-data. */
 const char *interpreter_scenes(void);
 
-/* Find the path of the scene `name`: scene_path; next to the journal; as given; in a folder of
- * interpreter_scenes(). In a wary interpreter: scene_path; below the folder of the journal or of
+/* Find the path of the scene `name`, or of the file of a channel, from 1: scene_path, or that of
+ * channel_path; next to the journal; as given; in a folder of interpreter_scenes(). In a wary
+ * interpreter: scene_path or channel_path; below the folder of the journal or of
  * interpreter_scenes(), where a name that leads elsewhere is searched by its last part. `by_proof`:
  * the file elsewhere has already been tried by the proof of its record. */
-enum err interpreter_find_scene(const struct interpreter *interp, const char *name, bool by_proof,
-                                struct buf *path, struct fault *fault);
+enum err interpreter_find_scene(const struct interpreter *interp, unsigned channel,
+                                const char *name, bool by_proof, struct buf *path,
+                                struct fault *fault);
 
 /* In a wary interpreter: find the path of a regular file elsewhere that may be read only with the
  * proof of its record (T1 of command/trust.h). */
-bool interpreter_find_outside(const struct interpreter *interp, const char *name, struct buf *path);
+bool interpreter_find_outside(const struct interpreter *interp, unsigned channel, const char *name,
+                              struct buf *path);
 
 /* Rewrite the name of the file that a new command reads for the record: relative to the folder of
  * the journal if it is elsewhere, or below the home folder ("~/"); absolute if they have no folder

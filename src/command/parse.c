@@ -488,7 +488,11 @@ static enum err fill_parameter(struct call *call, const char *word, const struct
     struct value *value = &call->value[i < 0 ? 0 : i];
     enum err err = OK;
     if (i < 0)
-        err = usage_fault(fault, call->command, "one word too many: ", whole);
+        err = usage_fault(fault, call->command,
+                          call->command->parameter->is_scene
+                              ? "one word too many (`channel FILE` adds another file): "
+                              : "one word too many: ",
+                          whole);
     else if (value->given && p->type != VALUE_LINE && p->type != VALUE_PARTS)
         return usage_fault(fault, call->command, "given twice: ", whole);
     else
@@ -682,7 +686,8 @@ bool command_opens(struct buf *name, const char *line)
         const char *word = buf_text(name);
         if (command)
             found = command_parameter_for(command, none, &word) == 0;
-        else if (!(command = command_find(word)) || !command->parameter[0].is_scene)
+        else if (!(command = command_find(word)) ||
+                 !(command->parameter->is_scene || command->parameter->is_channel))
             return false;
     }
     return found;

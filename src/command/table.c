@@ -225,7 +225,7 @@ static const struct command command_table[] = {
      WEIGHT_DETAIL,
      "weight gauss 1.5"},
     {COMMAND("channel", act_channel, GROUP_WEIGHT, R | S | E | C),
-     {NEED("FILE", VALUE_FILE, .is_read = true, .choices = "1|2|3|4|5|6|7|8"),
+     {NEED("FILE", VALUE_FILE, .is_read = true, .is_channel = true, .choices = "1|2|3|4|5|6|7|8"),
       KEYED("percent", VALUE_NUMBER, .most = PERCENT_MOST),
       KEYED("name", VALUE_WORD, .form = "NAME"), YES_NO("remove"), OF_VOLUME},
      "add a channel: further intensities of each voxel",

@@ -237,15 +237,14 @@ static enum path_kind look_everywhere(struct buf *path, const char *home, const 
 static enum err check_answer(enum path_kind answer, const char *name,
                              const struct trust_sought *sought, struct fault *fault)
 {
-    const char *hint = sought->is_scene ? "; expected --scene FILE" : "";
-    const char *where = sought->is_scene ? "" : " ($IFTTY_SCENES names their folders)";
+    const char *where = *sought->hint ? "" : " ($IFTTY_SCENES names their folders)";
     switch (sought->by_proof && answer == PATH_IS_OUTSIDE ? PATH_IS_MISSING : answer) {
     case PATH_IS_FILE:
         return OK;
     case PATH_IS_OUTSIDE:
         return fault_set(fault, ERR_INPUT,
                          "the journal may not read %s, which leads out of its folder%s; nothing %s",
-                         name, hint, sought->undone);
+                         name, sought->hint, sought->undone);
     case PATH_IS_FOLDER:
         if (sought->is_scene)
             return OK;
@@ -258,7 +257,7 @@ static enum err check_answer(enum path_kind answer, const char *name,
     }
     return fault_set(fault, ERR_IO,
                      "there is no %s %s next to the journal or among the scenes%s%s; nothing %s",
-                     sought->kind, name, where, hint, sought->undone);
+                     sought->kind, name, where, sought->hint, sought->undone);
 }
 
 /* Check the other file of a pair, with `name` found as `path`; FINE without one. */
@@ -423,8 +422,8 @@ bool trust_confine(const struct trust_places *places)
     gather(&g, "/dev/null", CONFINE_DEVICE);
     for (int i = 0; i < 2; i++)
         gather(&g, places->helper[i], CONFINE_READ | CONFINE_RUN);
-    gather_scene(&g, places->scene);
-    gather_scene(&g, places->outside);
+    for (const char *const *at = places->given; at && *at; at++)
+        gather_scene(&g, *at);
     for (const char *list = places->scenes; *list; list += *list == ':') {
         const size_t length = strcspn(list, ":");
         gather_part(&g, list, length, CONFINE_READ);

@@ -4,24 +4,25 @@
  *
  * Protects against: a journal, which is a program written by a stranger, that reads or overwrites
  * the user's files. It reaches only
- *     (T1) for reading, the scene given by --scene, and regular files below the folder of the
- *          journal or a folder of scenes ($IFTTY_SCENES): no links that lead out of that folder, no
- *          devices, pipes or sockets. An absolute name, or one with ".." or "~/", is searched there
- *          by its last part. With one file of a pair (image/volume.h) the other one is read under
- *          the same rule. A scene may be a folder there (DICOM, say); links in it are ignored. A
- *          file named by a header is read only below the folder of the header
- *          (helper/volume_parts.hh), on every kernel. A library reads files only if the kernel has
- *          Landlock, or with --unconfined. The journal itself may be a link to a journal anywhere;
- *          a link to anything else is treated as missing.
- *              A regular file elsewhere, by its path or behind a link, is read as a scene for a
- *          record with the SHA-256 of its voxels (`sha256=`), which can only be written by an owner
- *          of the voxels. The content decides, not the name: the file is read silently, and if it
- *          is not that scene (a folder, a device, a file replaced meanwhile), the result is the
- *          same as for a missing file: the same words, the same status, nothing drawn and nothing
- *          written. So nothing is learned about an unknown file. Parts of a file (crop, reduce, a
- *          data set of HDF5) could be guessed voxel by voxel, voxels without a header (raw:) byte
- *          by byte, and a header without voxels by adding voxels next to a link: these are not read
- *          this way, nor are masks, maps and lists.
+ *     (T1) for reading, the files given by --scene and --channel, and regular files below the
+ *          folder of the journal or a folder of scenes ($IFTTY_SCENES): no links that lead out of
+ *          that folder, no devices, pipes or sockets. An absolute name, or one with ".." or "~/",
+ *          is searched there by its last part. With one file of a pair (image/volume.h) the other
+ *          one is read under the same rule. A scene may be a folder there (DICOM, say); links in
+ *          it are ignored. A file named by a header is read only below the folder of the header
+ *          (helper/volume_parts.hh), on every kernel. A library reads files only if the kernel
+ *          has Landlock, or with --unconfined. The journal itself may be a link to a journal
+ *          anywhere; a link to anything else is treated as missing.
+ *              A regular file elsewhere, by its path or behind a link, is read as a scene or a
+ *          channel for a record with the SHA-256 of its voxels (`sha256=`), which can only be
+ *          written by an owner of the voxels. The content decides, not the name: the file is read
+ *          silently, and if it has not those voxels (a folder, a device, a file replaced
+ *          meanwhile), the result is the same as for a missing file: the same words, the same
+ *          status, nothing drawn and nothing written. So nothing is learned about an unknown
+ *          file. Parts of a file (crop, reduce, a data set of HDF5, a channel of such a part)
+ *          could be guessed voxel by voxel, voxels without a header (raw:) byte by byte, and a
+ *          header without voxels by adding voxels next to a link: these are not read this way,
+ *          nor are masks, maps and lists.
  *              A golden image, its PNG or a copy of labels may be a link to a regular file. It is
  *          read and compared, and the only message is that it differs from the record;
  *     (T2) for writing, the folder of --out, or a fresh temporary one, by the last part of a name;
@@ -29,8 +30,9 @@
  *     (T3) limited memory, time and output (below).
  * Names are resolved by base/confine.h, which checks the folders and files themselves, not their
  * names. If the kernel has Landlock, T1 and T2 also hold for the process (confine.h), even if a
- * hostile file controls a decoder: outside it can read only the one file that the first `open` with
- * a proof resolved to before confinement. The helpers are confined further, in every use (wire.hh).
+ * hostile file controls a decoder: outside it can read only the files of `open` and `channel` with
+ * a proof, as they resolved before confinement, 16 at most. The helpers are confined further, in
+ * every use (wire.hh).
  *
  * The user's own journal, with which a session continues, is not restricted.
  */
@@ -49,8 +51,9 @@
 /* The wanted file, and words for messages: "scene", "was opened". */
 struct trust_sought {
     const char *kind, *undone;
-    bool is_scene; /* may be a folder, and can be given by --scene */
-    bool by_proof; /* treat a file that leads out as missing: it is known not to be the scene */
+    const char *hint; /* "; expected --scene FILE", or "" */
+    bool is_scene;    /* may be a folder */
+    bool by_proof;    /* treat a file that leads out as missing: it is known not to be the scene */
 };
 
 /* path = the file `name` (or the folder, if allowed) below the folder of the journal `home` or a
@@ -77,8 +80,9 @@ struct trust_places {
     char *const *journal;
     int journals;
     const char *goldens;        /* the folder of golden images, if it may be elsewhere */
-    const char *scene, *scenes; /* --scene; folders, separated by colons */
-    const char *outside;        /* a scene elsewhere with a proof in a record */
+    const char *scenes;         /* folders, separated by colons */
+    const char *const *given;   /* scenes and channels, ended by NULL: of --scene and --channel, and
+                                   those elsewhere with a proof in a record */
     const char *const *linked;  /* files, ended by NULL, behind links among the golden images */
     const char *helper[2];      /* the programs of the helpers for images and for volumes */
     const char *const *written; /* folders to write to, ended by NULL */

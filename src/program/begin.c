@@ -29,6 +29,7 @@ enum err begin_by_options(struct interpreter *interp, const struct options *o, s
     enum err err = interpreter_init(interp, fault);
     session_set_watch(interp->session, console_watch());
     interp->scene_path = o->scene;
+    interp->channel_path = o->channel;
     interp->out_folder = o->out;
     interp->is_read_only = o->read_only;
     interp->who = o->who;
@@ -77,6 +78,8 @@ enum err begin_check(const struct options *o, const char **first, bool *resumes,
     const bool is_journal = name && interpreter_is_journal(name);
     *first = name;
     *resumes = is_journal;
+    if (is_journal && o->words > 1)
+        return fault_set(fault, ERR_USAGE, "%s is a journal; expected no other file", name);
     if (o->read_only && !o->journal && !is_journal)
         return fault_set(fault, ERR_USAGE, "--read-only: name the journal to look at");
     if (name && file_is_named(name, ".iftty") && !file_exists(name))
@@ -124,29 +127,10 @@ enum err end_journal(struct interpreter *interp, enum err err, struct fault *fau
     return err ? err : synced;
 }
 
-/* Find the file outside the journal's folder that its first `open` reads, if a proof is recorded;
- * otherwise the path is empty. An unreadable journal is left to the replay. */
-static enum err find_outside(struct buf *path, const char *journal, struct fault *fault)
-{
-    OWNED(buf_release) struct buf bytes = {0}, name = {0};
-    OWNED(walk_release) struct walk walk = {0};
-    struct record record;
-    struct record_word word;
-    if (!file_exists(journal) || file_read(&bytes, journal, JOURNAL_BYTES_MAX, NULL) != OK ||
-        walk_begin(&walk, buf_text(&bytes), bytes.length, NULL) != OK)
-        return OK;
-    bool has_opened = false;
-    while (!has_opened && walk_next(&walk, &record) == WALK_RECORD)
-        has_opened = command_opens(&name, record.command);
-    if (!has_opened || !record_word_find(record.result, "sha256", strlen("sha256"), &word) ||
-        !trust_find_outside(path, journal, interpreter_scenes(), buf_text(&name)))
-        buf_clear(path);
-    return name.failed || path->failed ? fault_memory(fault, "a path") : OK;
-}
+enum { LINKED_MOST = 1024, OUTSIDE_MOST = 16 };
 
-enum { LINKED_MOST = 1024 };
-
-/* Targets of links in the journal's folder of golden images, for the confinement. */
+/* Files for the confinement: scenes and channels, or targets of links in the journal's folder of
+ * golden images. */
 struct linked {
     char *path[LINKED_MOST + 1]; /* ended by NULL */
     size_t count;
@@ -156,6 +140,32 @@ static void linked_release(struct linked *linked)
 {
     while (linked->count)
         free(linked->path[--linked->count]);
+}
+
+static void add_path(struct linked *linked, const char *path)
+{
+    linked->path[linked->count] = path && *path ? strdup(path) : NULL;
+    linked->count += linked->path[linked->count] != NULL;
+}
+
+/* Find the files outside the journal's folder that `open` and `channel` read, if their proof is
+ * recorded. An unreadable journal is left to the replay. */
+static void find_outside(struct linked *found, const char *journal)
+{
+    OWNED(buf_release) struct buf bytes = {0}, name = {0}, path = {0};
+    OWNED(walk_release) struct walk walk = {0};
+    struct record record;
+    struct record_word word;
+    if (!file_exists(journal) || file_read(&bytes, journal, JOURNAL_BYTES_MAX, NULL) != OK ||
+        walk_begin(&walk, buf_text(&bytes), bytes.length, NULL) != OK)
+        return;
+    while (found->count < OUTSIDE_MOST && walk_next(&walk, &record) == WALK_RECORD) {
+        buf_clear(&path);
+        if (command_opens(&name, record.command) &&
+            record_word_find(record.result, "sha256", strlen("sha256"), &word) &&
+            trust_find_outside(&path, journal, interpreter_scenes(), buf_text(&name)))
+            add_path(found, buf_text(&path));
+    }
 }
 
 /* Look only at files that the journal's records name. An unreadable journal is left to the
@@ -184,15 +194,17 @@ static void find_linked(struct linked *linked, const char *journal)
 enum err begin_confined(const struct options *o, const char *journal, const char *written,
                         struct fault *fault)
 {
-    OWNED(buf_release) struct buf images = {0}, volumes = {0}, goldens = {0}, outside = {0};
-    OWNED(linked_release) struct linked linked = {.count = 0};
+    OWNED(buf_release) struct buf images = {0}, volumes = {0}, goldens = {0};
+    OWNED(linked_release) struct linked linked = {.count = 0}, given = {.count = 0};
     struct limits limits;
     TRY(limits_read(&limits, o->limit_memory, o->limit_time, o->limit_output, fault));
     TRY(coprocess_find(&images, IMAGE_HELPER, fault));
     TRY(coprocess_find(&volumes, VOLUME_HELPER, fault));
     TRY(golden_folder(&goldens, journal, fault));
-    if (!o->scene)
-        TRY(find_outside(&outside, journal, fault));
+    find_outside(&given, journal);
+    add_path(&given, o->scene);
+    for (unsigned i = 0; i < CHANNELS_MOST; i++)
+        add_path(&given, o->channel[i]);
     find_linked(&linked, journal);
     char *path = (char *)(uintptr_t)journal;
     const char *const folders[] = {written, NULL};
@@ -200,9 +212,8 @@ enum err begin_confined(const struct options *o, const char *journal, const char
                                         .journals = 1,
                                         .goldens = buf_text(&goldens),
                                         .linked = (const char *const *)linked.path,
-                                        .scene = o->scene,
                                         .scenes = interpreter_scenes(),
-                                        .outside = outside.length ? buf_text(&outside) : NULL,
+                                        .given = (const char *const *)given.path,
                                         .helper = {buf_text(&images), buf_text(&volumes)},
                                         .written = folders};
     trust_confine(&places);

@@ -26,6 +26,18 @@ enum err option_read_text(const struct option *option, const char *text, void *o
     return OK;
 }
 
+enum err option_read_next(const struct option *option, const char *text, void *out,
+                          struct fault *fault)
+{
+    const char **at = (const char **)((char *)out + option->at);
+    for (int64_t i = 0; i < option->most; i++, at++)
+        if (!*at) {
+            *at = text;
+            return OK;
+        }
+    return fault_set(fault, ERR_USAGE, "%s: expected at most %d", option->name, (int)option->most);
+}
+
 enum err option_read_number(const struct option *option, const char *text, void *out,
                             struct fault *fault)
 {
@@ -318,7 +330,8 @@ static enum err check_operands(const struct program_table *table, const struct o
 {
     const struct program *p = o->program;
     OWNED(buf_release) struct buf usage = {0};
-    if (o->words >= p->least && o->words <= p->most)
+    const bool names_file = p->name || o->words < 2 || strpbrk(o->word[0], "./:");
+    if (o->words >= p->least && o->words <= p->most && names_file)
         return OK;
     program_add_usage(&usage, table, p);
     fault_set(fault, ERR_USAGE, "expected `%s`, and there %s %d operand%s", buf_text(&usage),
@@ -354,7 +367,7 @@ static enum err read_words(const struct program_table *table, struct option_word
             err = fault_set(fault, ERR_USAGE, "%s needs a value, %s", w.name, row->value);
         else if (!row->value && w.value)
             err = fault_set(fault, ERR_USAGE, "%s has no value, and %s was given", w.name, w.value);
-        else if (is_given[number])
+        else if (is_given[number] && row->read != option_read_next)
             err = fault_set(fault, ERR_USAGE, "%s is given twice; expected one", w.name);
         else
             err = row->read(row, w.value, o, fault);

@@ -23,6 +23,7 @@
 #include "base/watch.h"
 #include "command/near.h"
 #include "command/script.h"
+#include "engine/scene.h"
 #include "tui/picture/graphics.h"
 #include "verify/verify.h"
 
@@ -32,7 +33,8 @@
  * Each row of the table has the name of an option, its value, and the function that reads the value
  * into a struct. Help, messages and the programs' own lists of options are made from it.
  *
- * Options may be anywhere among the operands; "--" ends them. An option is given once at most, and
+ * Options may be anywhere among the operands; "--" ends them. An option is given once at most,
+ * unless option_read_next reads it, and
  * `--name=value` is the same as `--name value`; -V is --version. Two rows may share a name if it
  * has two meanings for two programs. Then both have a value, or neither: a command line is split
  * before its program is known.
@@ -50,9 +52,11 @@ struct option {
     void (*add_choices)(struct buf *out, const char *between, const char *before_last);
 };
 
-/* Functions for `read`: into a bool, a const char *, a size_t, and a const char * with a list. */
+/* Functions for `read`: into a bool, a const char *, the next of `most` of them, a size_t, and a
+ * const char * with a list. */
 enum err option_read_flag(const struct option *, const char *, void *, struct fault *);
 enum err option_read_text(const struct option *, const char *, void *, struct fault *);
+enum err option_read_next(const struct option *, const char *, void *, struct fault *);
 enum err option_read_number(const struct option *, const char *, void *, struct fault *);
 enum err option_read_list(const struct option *, const char *, void *, struct fault *);
 
@@ -74,6 +78,7 @@ struct options {
     int words;
     const char *commands, *journal, *scene, *out, *who, *page, *compare;
     const char *accept, *only, *picture, *surface, *shard;
+    const char *channel[CHANNELS_MOST + 1]; /* ended by NULL */
     const char *volume, *regions, *as, *by, *fit, *landmarks, *orient, *procedure;
     const char *limit_memory, *limit_time, *limit_output;
     size_t from, until;            /* 0: not given */

@@ -20,6 +20,7 @@ enum {
     WHO,
     TIMES,
     SCENE,
+    CHANNEL,
     OUT,
     REPLAY_OUT,
     EVIDENCE_OUT,
@@ -63,6 +64,9 @@ static const struct option option[] = {
     [TIMES] = {"--times", NULL, "sign each new record with its UTC time", FLAG(times)},
     [SCENE] = {"--scene", "FILE", "open this scene instead of the one that `open` names",
                TEXT(scene)},
+    [CHANNEL] = {"--channel", "FILE",
+                 "read this file for the next channel that `channel` adds; may be repeated",
+                 option_read_next, offsetof(struct options, channel), 0, CHANNELS_MOST, NULL},
     [OUT] = {"--out", "DIR", "write files into this folder", TEXT(out)},
     [REPLAY_OUT] = {"--out", "DIR", "write files into this folder (default: a new temporary one)",
                     TEXT(out)},
@@ -198,13 +202,17 @@ static const struct option option[] = {
 
 enum { FILES_MOST = 1 << 20 };
 
-#define SESSION_OPTIONS JOURNAL, READ_ONLY, WHO, TIMES, SCENE, OUT, GRAPHICS, SMOOTH
+#define SESSION_OPTIONS JOURNAL, READ_ONLY, WHO, TIMES, SCENE, CHANNEL, OUT, GRAPHICS, SMOOTH
 #define LIMIT_OPTIONS   LIMIT_MEMORY, LIMIT_TIME, LIMIT_OUTPUT, UNCONFINED
 
 /* Name, form, operands, and their least and largest number. */
 static const struct program program[] = {
-    {NULL, NULL, "[SCENE|JOURNAL]", 0, 1, .option = {SESSION_OPTIONS},
-     .summary = "open the prompt on a scene or a journal", .run = run_prompt},
+    {NULL, NULL, "[SCENE...|JOURNAL]", 0, CHANNELS_MOST + 1, .option = {SESSION_OPTIONS},
+     .summary = "open the prompt on a scene or a journal",
+     .detail =
+         "Further files of SCENE, such as case_0001.nii.gz after case_0000.nii.gz, become its "
+         "channels (`help channel`).",
+     .run = run_prompt},
     {NULL, "-c", "", 0, 0, .option = {COMMANDS, SESSION_OPTIONS, WHOLE, KEEP_GOING},
      .summary = "run these commands", .run = run_commands},
     {"run", NULL, "FILE|-", 1, 1, .option = {SESSION_OPTIONS, WHOLE, KEEP_GOING, JSON},
@@ -218,26 +226,29 @@ static const struct program program[] = {
                "differs; 2 bad usage, including that of a command; 3 bad input or I/O, including a "
                "full disk; 130 Ctrl-C.",
      .run = run_script},
-    {"serve", NULL, "[SCENE|JOURNAL]", 0, 1, .option = {JOURNAL, READ_ONLY, WHO, TIMES, SCENE, OUT},
+    {"serve", NULL, "[SCENE...|JOURNAL]", 0, CHANNELS_MOST + 1,
+     .option = {JOURNAL, READ_ONLY, WHO, TIMES, SCENE, CHANNEL, OUT},
      .summary = "run a session for a program, in lines of JSON",
      .detail =
          "Reads requests from standard input and writes answers to standard output, one per line. "
          "{\"id\": 1, \"do\": \"seed 90,108,90 1\"} runs a command, {\"id\": 2, \"array\": "
          "\"labels\"} writes voxels into a file, {\"cancel\": 1} cancels request 1. The first line "
          "of the output has the version of the protocol and describes the scene and the journal. "
-         "Without --journal, creates a journal in the current folder, as the prompt does. "
+         "Without --journal, creates a journal in the current folder, as the prompt does. Further "
+         "files of SCENE become its channels. "
          "src/program/README.md describes the protocol, and examples/python has a client.",
      .run = run_serve},
-    {"replay", NULL, "JOURNAL", 1, 1, .option = {SCENE, REPLAY_OUT, LIMIT_OPTIONS},
+    {"replay", NULL, "JOURNAL", 1, 1, .option = {SCENE, CHANNEL, REPLAY_OUT, LIMIT_OPTIONS},
      .summary = "run a journal again and compare its results",
      .detail = "An untrusted journal is safe to replay. It can read files below its own folder and "
                "below the folders in $IFTTY_SCENES (default: those of Debian's mricron-data); "
-               "elsewhere, only a scene whose digest it has. It can write into one folder only, "
+               "elsewhere, only a scene or channel whose digest it has. It can write into one "
+               "folder only, "
                "and is stopped when it reaches a limit.",
      .run = run_replay},
     {"verify", NULL, "JOURNAL...", 1, FILES_MOST,
      .option = {PROCESSES, FROM, UNTIL, STRICT, NO_STRICT, EXPECT, SHARD, FAIL_FAST, TIMINGS,
-                REMOVE_ORPHANS, JSON, JUNIT, HTML, EVIDENCE_OUT, SCENE, LIMIT_OPTIONS},
+                REMOVE_ORPHANS, JSON, JUNIT, HTML, EVIDENCE_OUT, SCENE, CHANNEL, LIMIT_OPTIONS},
      .summary = "compare results and golden images, print TAP",
      .detail = "If JOURNAL is a folder, verifies all journals *.iftty in it and its subfolders. "
                "Replays each journal in its own process, under the restrictions of `replay`. "
@@ -245,7 +256,7 @@ static const struct program program[] = {
      .run = run_verify},
     {"verify", "--bisect", "A B", 2, 2, .option = {BISECT},
      .summary = "find the first record that differs", .run = run_verify_bisect},
-    {"verify", "--accept", "JOURNAL", 1, 1, .option = {ACCEPT, ONLY, SCENE},
+    {"verify", "--accept", "JOURNAL", 1, 1, .option = {ACCEPT, ONLY, SCENE, CHANNEL},
      .summary = "redraw golden images and record the reason",
      .detail = "Redraws golden images that differ or are missing. Rejected if CI is set, since a "
                "person must decide this. Keeps the former journal as JOURNAL.before-N.",
@@ -258,7 +269,7 @@ static const struct program program[] = {
                "file except the journal; `iftty tutorial JOURNAL` resumes it.",
      .run = run_tutorial},
     {"watch", NULL, "JOURNAL", 1, 1,
-     .option = {FROM_STEP, UNTIL_STEP, SCENE, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
+     .option = {FROM_STEP, UNTIL_STEP, SCENE, CHANNEL, GRAPHICS, SMOOTH, LIMIT_OPTIONS},
      .summary = "watch the steps that made a journal",
      .detail = "Replays the journal under the restrictions of `replay`, and shows its steps in the "
                "pilot: Space shows the next step, Backspace the previous one, 20G step 20, c the "
@@ -266,7 +277,8 @@ static const struct program program[] = {
                "and hatches the changed voxels. Writes no file. At the end, prints whether the "
                "journal is verified.",
      .run = run_watch},
-    {"diff", NULL, "A B", 2, 2, .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, LIMIT_OPTIONS},
+    {"diff", NULL, "A B", 2, 2,
+     .option = {DIFF_UNTIL, JSON, PICTURE, SCENE, CHANNEL, LIMIT_OPTIONS},
      .summary = "compare the commands and labels of journals",
      .detail = "Prints the first command that differs and, for each label, the Dice coefficient "
                "and the numbers of voxels in A, in B and in both. A and B may also be scripts.",
@@ -310,12 +322,13 @@ static const struct program program[] = {
      .run = run_log_procedure},
     {"log", "--repair", "JOURNAL", 1, 1, .option = {REPAIR},
      .summary = "move invalid records to JOURNAL.torn-N", .run = run_log_repair},
-    {"log", "--reseal", "JOURNAL", 1, 1, .option = {RESEAL, ACCEPT, SCENE},
+    {"log", "--reseal", "JOURNAL", 1, 1, .option = {RESEAL, ACCEPT, SCENE, CHANNEL},
      .summary = "recompute the results of an edited journal",
      .detail = "With --accept WHY, also redraws golden images, as `verify --accept` does; "
                "otherwise fails if one differs. Keeps the former journal as JOURNAL.before-N.",
      .run = run_reseal},
-    {"report", NULL, "JOURNAL", 1, 1, .option = {PAGE, STEPS, COMPARE_WITH, SCENE, LIMIT_OPTIONS},
+    {"report", NULL, "JOURNAL", 1, 1,
+     .option = {PAGE, STEPS, COMPARE_WITH, SCENE, CHANNEL, LIMIT_OPTIONS},
      .summary = "write a page about a journal",
      .detail = "Replays the journal under the restrictions of `replay`, and writes one HTML file "
                "that needs no other: whether the journal is verified, its last chain, volumes of "

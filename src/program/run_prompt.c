@@ -189,7 +189,9 @@ struct prompt {
     struct interpreter interp;
     struct reply reply;
     char name[24];     /* before the "> " */
-    const char *first; /* opened after the prompt is shown */
+    const char *first; /* opened after the prompt is shown, */
+    char *const *channel;
+    int channels; /* and its channels */
     bool resumes;
     struct lesson *lesson;  /* or NULL */
     enum proposal proposed; /* by the last answer */
@@ -386,9 +388,12 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
     }
     prompt->is_empty = !prompt->first;
     if (prompt->first) {
-        buf_add_text(&line, "open ");
-        command_write_word(&line, prompt->first);
-        TRY(execute_line(prompt, buf_text(&line), output, fault));
+        for (int i = 0; i <= prompt->channels; i++) {
+            buf_clear(&line);
+            buf_add_text(&line, i ? "channel " : "open ");
+            command_write_word(&line, i ? prompt->channel[i - 1] : prompt->first);
+            TRY(execute_line(prompt, buf_text(&line), output, fault));
+        }
         TRY(execute_line(prompt, "auto on", output, fault));
     }
     carry_out_start(prompt, output);
@@ -565,6 +570,8 @@ enum err prompt_run(const struct options *o, struct lesson *lesson, struct fault
     OWNED(buf_release) struct buf journal = {0};
     const bool is_terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     TRY(begin_check(o, &prompt.first, &prompt.resumes, fault));
+    prompt.channel = o->word + 1;
+    prompt.channels = o->words > 1 ? o->words - 1 : 0;
     if (lesson && prompt.first && !prompt.resumes)
         return fault_set(fault, ERR_USAGE,
                          "%s is not a journal of a lesson; `iftty tutorial` begins one",

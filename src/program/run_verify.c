@@ -182,6 +182,7 @@ static enum err verify_journals(const struct options *o, const struct journal_li
     how.path = journals->path;
     how.count = journals->count;
     how.scene_path = o->scene;
+    how.channel_path = o->channel;
     how.evidence_folder = o->out;
     how.json = o->json;
     how.strict = how.strict || (ci_is_set() && !o->no_strict);
@@ -220,6 +221,7 @@ enum err run_diff(const struct options *o, struct fault *fault)
 {
     const struct diff_options how = {.path = {o->word[0], o->word[1]},
                                      .side = {.scene_path = o->scene,
+                                              .channel_path = o->channel,
                                               .last = o->until,
                                               .begin = begin_one,
                                               .context = (void *)(uintptr_t)o,

@@ -61,6 +61,9 @@ enum err channel_values_new(struct channel_values **out, const struct session *s
             v->digest += hash_mix((uint64_t)(from - volume->intensity) << 16 | *from);
         }
     TRY(watch_fault(session->watch, fault));
+    uint64_t scale[2];
+    memcpy(scale, (const double[]){v->slope, v->intercept}, sizeof scale);
+    v->digest += hash_mix_at(scale[0], scale[1]);
     v->levels = volume->levels;
     volume->levels = NULL;
     *out = channel_values_hold(v);
@@ -137,6 +140,15 @@ void channel_write(struct buf *out, const struct session *session)
         buf_add_char(out, ' ');
         buf_add_safe_text(out, session->now.kept.channel[shown - 1].name);
     }
+}
+
+void channel_write_in(struct buf *out, const struct session *session)
+{
+    if (!kept_channels(&session->now.kept))
+        return;
+    buf_add_text(out, "in ");
+    channel_write(out, session);
+    buf_add_text(out, ": ");
 }
 
 /* Exchange the intensities in the cells, and their scale, with a channel, numbered from 1. */

@@ -440,8 +440,9 @@ const struct levels *session_scale(struct geometry *geometry, const struct sessi
 struct interval session_within(const struct session *session, unsigned channel,
                                const struct decimal range[2]);
 
-/* "channel 2 FLAIR": the channel that is shown. */
+/* "channel 2 FLAIR": the channel that is shown; and "in channel 2 FLAIR: " if there are several. */
 void channel_write(struct buf *out, const struct session *session);
+void channel_write_in(struct buf *out, const struct session *session);
 
 /* ---- settings that must be checked first (go.c) ---- */
 

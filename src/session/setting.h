@@ -84,14 +84,15 @@ struct parameter {
     const char *name;
     enum value_type type;
     bool optional, keyed;
-    bool is_read;  /* FILE: an existing file, which the command reads */
-    bool is_scene; /* the scene */
-    bool is_kept;  /* WORD: numbers, a digest or a name that other commands use, which `log
+    bool is_read;    /* FILE: an existing file, which the command reads */
+    bool is_scene;   /* the scene */
+    bool is_channel; /* a channel of it */
+    bool is_kept;    /* WORD: numbers, a digest or a name that other commands use, which `log
                       --anonymise` keeps; any other word may be personal */
-    bool is_code;  /* WORD: a code (label_code_fits), kept without its meaning */
-    bool paired;   /* given if and only if the value before it is not one of the choices there */
-    bool makes;    /* LABEL: no label may have the number yet */
-    bool added;    /* keyed; added to the record if the line lacks it */
+    bool is_code;    /* WORD: a code (label_code_fits), kept without its meaning */
+    bool paired;     /* given if and only if the value before it is not one of the choices there */
+    bool makes;      /* LABEL: no label may have the number yet */
+    bool added;      /* keyed; added to the record if the line lacks it */
     int64_t least, most;
     const char *choices; /* words allowed instead, "a|b|c", or NULL */
     const char *form;    /* form in usage; NULL for that of its type */

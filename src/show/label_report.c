@@ -393,6 +393,8 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
         json_end(&json);
     }
     json_end(&json);
+    if (report->channel)
+        json_count(&json, "intensity_channel", report->channel);
     if (report->levels) {
         json_real(&json, "intensity_step", report->levels->step, 6);
         json_count(&json, "voxels_below_scale", report->levels->beyond[0]);
@@ -405,6 +407,8 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
 static struct figures csv_figures_of(const struct label_report *report, unsigned label)
 {
     struct figures f = figures_of(report, label);
+    if (report->channel)
+        figures_add(&f, "intensity_channel", report->channel);
     if (report->levels) {
         figures_add(&f, "intensity_step", report->levels->step);
         figures_add(&f, "voxels_below_scale", (double)report->levels->beyond[0]);

@@ -73,7 +73,8 @@ struct label_report {
     const uint32_t *label_number;               /* [256] (numbering_fill) */
     const struct geometry *geometry;
     const struct levels *levels; /* the session's */
-    const bool *listed;          /* [256], labels with a row although they have no voxel; or NULL */
+    unsigned channel;   /* number of the channel with these intensities; 0 if it is the only one */
+    const bool *listed; /* [256], labels with a row although they have no voxel; or NULL */
 };
 
 /* Lines about one label that has voxels, each indented by four blanks. */

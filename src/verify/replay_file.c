@@ -162,7 +162,7 @@ static const char *meaning(const char *expected, const char *actual)
                         forest = compare(expected, actual, "forest");
     if (compare(expected, actual, "scene") == OTHER)
         return "the scene is another one: other voxels were read";
-    if (compare(expected, actual, "file") == OTHER)
+    if (compare(expected, actual, "file") == OTHER || compare(expected, actual, "channel") == OTHER)
         return "a file that the command read holds something else";
     if (compare(expected, actual, "weights") == OTHER)
         return "the arc weights differ, and what grows by them may";

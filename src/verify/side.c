@@ -102,6 +102,7 @@ static void carry_out_one(void *context, size_t number, struct buf *out)
     OWNED(interpreter_release) struct interpreter interp;
     facts->err = interpreter_init(&interp, &fault);
     interp.scene_path = o->scene_path;
+    interp.channel_path = o->channel_path;
     if (!facts->err && o->begin)
         facts->err = o->begin(o->context, task->path, &fault);
     if (!facts->err)

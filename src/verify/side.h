@@ -45,7 +45,8 @@ struct side {
 struct side_options {
     bool is_strict;         /* require a whole journal as it was recorded; otherwise ERR_CHECK */
     const char *scene_path; /* scene to open in place of the name in `open`, or NULL */
-    size_t last;            /* last record to carry out; 0 for all */
+    const char *const *channel_path; /* the same for `channel`, ended by NULL; or NULL */
+    size_t last;                     /* last record to carry out; 0 for all */
     /* Called in each process before the journal is carried out; or NULL. */
     enum err (*begin)(void *context, const char *journal, struct fault *fault);
     void *context;

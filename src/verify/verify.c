@@ -195,6 +195,7 @@ static void replay_one(const struct verify_options *options, struct verify_resul
     if (!err && options->begin)
         err = options->begin(options->context, path, &fault);
     interp.scene_path = options->scene_path;
+    interp.channel_path = options->channel_path;
     if (options->evidence_folder)
         place_evidence(&folder, options, path);
     result->evidence.folder = folder.length ? buf_text(&folder) : NULL;

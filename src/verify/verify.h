@@ -17,19 +17,20 @@
 struct verify_options {
     char *const *path; /* paths of the journals */
     size_t count;
-    const char *scene_path;      /* scene to open in place of the name in `open`, or NULL */
-    const char *evidence_folder; /* folder for evidence of golden images that differ, or NULL;
+    const char *scene_path;          /* scene to open in place of the name in `open`, or NULL */
+    const char *const *channel_path; /* the same for `channel`, ended by NULL; or NULL */
+    const char *evidence_folder;     /* folder for evidence of golden images that differ, or NULL;
                                     journals of equal names use subfolders N/ for the Nth of
                                     `path` */
-    const char *junit, *html;    /* reports that replace existing files, or NULL */
-    bool json;                   /* print one JSON object instead of TAP */
-    bool strict;                 /* fail on incomplete evidence */
-    bool fail_fast;              /* end at the first failure and skip the remaining journals */
-    bool timings;                /* print the slowest records of each journal */
-    bool removes_orphans;        /* remove the orphans of journals that verify otherwise */
-    const char *expect;          /* expected last chain of the only journal, or NULL */
-    size_t first, last;          /* records to compare; 0 for all */
-    size_t processes;            /* processes at once, 1..PROCESSES_MOST; 0: one */
+    const char *junit, *html;        /* reports that replace existing files, or NULL */
+    bool json;                       /* print one JSON object instead of TAP */
+    bool strict;                     /* fail on incomplete evidence */
+    bool fail_fast;                  /* end at the first failure and skip the remaining journals */
+    bool timings;                    /* print the slowest records of each journal */
+    bool removes_orphans;            /* remove the orphans of journals that verify otherwise */
+    const char *expect;              /* expected last chain of the only journal, or NULL */
+    size_t first, last;              /* records to compare; 0 for all */
+    size_t processes;                /* processes at once, 1..PROCESSES_MOST; 0: one */
     /* Called in the process of each journal before it is carried out; or NULL. An error is the
      * result. */
     enum err (*begin)(void *context, const char *journal, struct fault *fault);

@@ -88,7 +88,7 @@ static void choose_seeds(struct edit seed[SEEDS], const struct interpreter *inte
     struct volume atlas = {0};
     OWNED(buf_release) struct buf path = {0};
     uint64_t state = 1;
-    if (interpreter_find_scene(interp, "aal.nii.gz", false, &path, NULL) == OK &&
+    if (interpreter_find_scene(interp, 0, "aal.nii.gz", false, &path, NULL) == OK &&
         volume_read(&atlas, buf_text(&path), NULL, NULL, NULL) == OK &&
         memcmp(atlas.size, grid->size, sizeof atlas.size) != 0)
         volume_release(&atlas);
@@ -220,10 +220,10 @@ enum err run_brain(const struct options *o, struct fault *fault)
     (void)fault;
     must(interpreter_init(&interp, &bench_fault));
     way->scene = o->scene ? o->scene : "ch2.nii.gz";
-    enum err err = interpreter_find_scene(&interp, way->scene, false, &path, &bench_fault);
+    enum err err = interpreter_find_scene(&interp, 0, way->scene, false, &path, &bench_fault);
     if (err && !o->scene)
-        err =
-            interpreter_find_scene(&interp, way->scene = "synth:geom", false, &path, &bench_fault);
+        err = interpreter_find_scene(&interp, 0, way->scene = "synth:geom", false, &path,
+                                     &bench_fault);
     must(err);
     must(session_open(interp.session, buf_text(&path), NULL, &bench_fault));
     time_session(&interp, way);

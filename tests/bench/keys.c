@@ -616,8 +616,8 @@ static void find_files(struct figures *f)
     OWNED(interpreter_release) struct interpreter interp;
     must(interpreter_init(&interp, &bench_fault));
     must(bench_find_example(&f->journal, &interp, &bench_fault));
-    if (interpreter_find_scene(&interp, "ch2.nii.gz", false, &f->scene, NULL))
-        must(interpreter_find_scene(&interp, "synth:geom", false, &f->scene, &bench_fault));
+    if (interpreter_find_scene(&interp, 0, "ch2.nii.gz", false, &f->scene, NULL))
+        must(interpreter_find_scene(&interp, 0, "synth:geom", false, &f->scene, &bench_fault));
 }
 
 enum err run_keys(const struct options *o, struct fault *fault)

@@ -150,7 +150,7 @@ enum err procedure_make(struct procedure *procedure, const struct session *base,
 void procedure_open(struct interpreter *interp, const char *name)
 {
     OWNED(buf_release) struct buf path = {0};
-    must(interpreter_find_scene(interp, name, false, &path, &bench_fault));
+    must(interpreter_find_scene(interp, 0, name, false, &path, &bench_fault));
     must(session_open(interp->session, buf_text(&path), NULL, &bench_fault));
 }
 

@@ -108,7 +108,7 @@ static void take(struct volume *out, const char *name)
     OWNED(interpreter_release) struct interpreter interp = {0};
     OWNED(buf_release) struct buf path = {0};
     must(interpreter_init(&interp, &bench_fault));
-    must(interpreter_find_scene(&interp, name, false, &path, &bench_fault));
+    must(interpreter_find_scene(&interp, 0, name, false, &path, &bench_fault));
     must(volume_read(out, buf_text(&path), NULL, NULL, &bench_fault));
 }
 

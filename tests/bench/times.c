@@ -137,7 +137,8 @@ bool bench_find_in_tree(struct buf *path, const char *name)
 enum err bench_find_example(struct buf *path, const struct interpreter *interp, struct fault *fault)
 {
     OWNED(buf_release) struct buf scene = {0};
-    const bool has_brain = interpreter_find_scene(interp, "ch2.nii.gz", false, &scene, NULL) == OK;
+    const bool has_brain =
+        interpreter_find_scene(interp, 0, "ch2.nii.gz", false, &scene, NULL) == OK;
     const char *name = has_brain ? "examples/brain.iftty" : "examples/geom.iftty";
     if (bench_find_in_tree(path, name))
         return OK;
