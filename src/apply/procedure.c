@@ -251,8 +251,8 @@ static enum err take_all(struct procedure *p, const struct noting *noting,
                                                    : "to which sides of the patient its axes run");
     if (kept_channels(&session->now.kept))
         return fault_set(fault, ERR_INPUT,
-                         "its scene has several channels, which are not transferred; remove them "
-                         "(`channel 2 remove=yes`)");
+                         "its scene has several channels, and `apply` has no files for those of "
+                         "other scenes; `channel 2 remove=yes` in a copy of it leaves channel 1");
     p->has_place = geometry_has_place(geometry);
     memcpy(p->to_mm.m, geometry->to_mm, sizeof p->to_mm.m);
     memcpy(p->size, session->scene->grid.size, sizeof p->size);
