@@ -200,7 +200,7 @@ out_has "the finish deletes label 3 wall: 280 voxels in 1 piece before, 0 voxels
 out_has "label 3 wall: 280 seeds, 0 voxels" "label 7 never: 0 seeds, 0 voxels"
 same "$(sed -n 's/^\([37],"[a-z]*"\),\([0-9]*\),[0-9]*,0,0,0,,.*/\1 \2/p' lost.csv)" '3,"wall" 0
 7,"never" 0'
-grep -q '"number": 7, "name": "never", "voxels": 0, .*"mean": null' lost.json ||
+grep -q '"number": 7, "name": "never", "code": "", "voxels": 0, .*"mean": null' lost.json ||
     fail "$(cat lost.json)"
 expect 0 "$iftty" run walls
 out_has "the finish deletes label 3 wall" # as soon as the finish is chosen

@@ -172,7 +172,7 @@ see "^:box 10 xx u seed 1,1,1 2 q$hint\$"
 pressing Escape '^i seed '
 type_letters ":label 5 "
 tmux_here paste-buffer -p -b paste -t prompt
-see '^:label 5 box 10 xx u seed 1,1,1 2 q( \[number=N\])?$'
+see '^:label 5 box 10 xx u seed 1,1,1 2 q( \[number=N\] \[code=none\|SCHEME:VALUE\])?$'
 pressing Enter '^error: '
 typing "?" 'a seed of the label'
 tmux_here paste-buffer -p -b paste -t prompt
@@ -483,7 +483,7 @@ if "$iftty" run reference >/dev/null 2>&1; then
     comes_true shows_progress
     grep -Eq ' %, [0-9]+ s( left)?$' row || fail "the row of progress: $(cat row)"
     see '^axial at 20,108,10  brush 0 r6  here 0'
-    see '^the finish breaks label 1 to 1690916 voxels in 4 pieces; see `stats`'
+    see '^the finish breaks label 1 to 1686106 voxels in 6 pieces; see `stats`'
     tmux_here pipe-pane -t prompt
     # Nothing is drawn over progress before it is erased.
     LC_ALL=C awk 'BEGIN { RS = "[\r\033]" } /^forest .* s/ { n++; works = 1 } /^ +$/ { works = 0 }
@@ -492,7 +492,7 @@ if "$iftty" run reference >/dev/null 2>&1; then
     type_letters "1bgc" # the volume is that of what is shown, which has settled
     tmux_here resize-window -t prompt -x 110 -y 24
     see 'finished  here 1 1\.69 l'
-    commanding "stats" '^label 1: .* 1690916 voxels, 1690\.9 ml'
+    commanding "stats" '^label 1: .* 1686106 voxels, 1686\.1 ml'
     press Escape
     tmux_here resize-window -t prompt -x 80 -y 24
     typing "q" '^ch2>$'

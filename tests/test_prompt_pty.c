@@ -268,7 +268,7 @@ STORY(a_line_is_typed_mended_and_carried_out)
     CHECK_INT(t->screen.column, 7 + 3);
     BEGIN_AFTER("\r", "48000 voxels changed, label 1: 48 ml, ");
     SEE_LINE("synth>");
-    LINE_AFTER("label 1 \346\234\254x", "synth> label 1 \346\234\254x [#rrggbb] [number=N]");
+    LINE_AFTER("label 1 \346\234\254x", "synth> label 1 \346\234\254x [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
     CHECK_INT(t->screen.column, 7 + 8 + 3);
     ROW_AFTER("\177\177kidney\r", "synth> label 1 kidney");
     type("seed 2,2,2 2\r");
@@ -347,7 +347,7 @@ STORY(a_hundred_pasted_lines_are_a_hundred_commands)
         take(5);
     }
     SEE("synth> label 99 part-99");
-    SEE_LINE("synth> label 100 part-100 [#rrggbb] [number=N]"); /* all wait for Enter */
+    SEE_LINE("synth> label 100 part-100 [#rrggbb] [number=N] [code=none|SCHEME:VALUE]"); /* all wait for Enter */
     SEE("Enter runs the pasted lines, Ctrl-C drops them");
     CHECK(strstr(journal(1), "part-") == NULL);
     LINE_AFTER("\r", "synth>");
@@ -369,7 +369,7 @@ STORY(pasted_lines_wait_for_enter_and_ctrl_c_drops_them)
     ROW_AFTER("\003", "synth> ^C");
     LINE_AFTER("label 3 three\r", "synth>");
     type(paste);
-    LINE_AFTER("label 4 four", "synth> label 4 four [#rrggbb] [number=N]");
+    LINE_AFTER("label 4 four", "synth> label 4 four [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
     LINE_AFTER("\r", "synth>");
     const char *text = quit();
     CHECK(strstr(text, "label 3 three") && strstr(text, "label 4 four"));
@@ -401,7 +401,7 @@ QUIT_STORY(history_outlives_a_session_that_is_killed)
     CHECK(stat("history", &status) == 0 && (status.st_mode & 0777) == 0600);
     start_at_prompt();
     type("\020\020"); /* up, past `quit` */
-    SEE_LINE("synth> label 7 second [#rrggbb] [number=N]");
+    SEE_LINE("synth> label 7 second [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
     LINE_AFTER("\022fir", "(search 'fir') label 7 first");
     LINE_AFTER("\007", "synth>");
 }
@@ -428,10 +428,10 @@ QUIT_STORY(what_was_entered_before_is_suggested_and_taken)
     start_at_prompt();
     type("se"); /* neither a voxel beyond the scene, nor a label without a name, nor a mistake */
     SEE_LINE("synth> se");
-    LINE_AFTER("\025label 7 ", "synth> label 7 liver [#rrggbb] [number=N]");
+    LINE_AFTER("\025label 7 ", "synth> label 7 liver [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
     const struct screen_cell *cell = t->screen.cell[t->screen.row];
     CHECK(cell[15].grey && cell[21].grey && !cell[8].grey && t->screen.column == 15);
-    LINE_AFTER("\033[C", "synth> label 7 liver [#rrggbb] [number=N]");
+    LINE_AFTER("\033[C", "synth> label 7 liver [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
     check_awaited(is_at_column, "20", __LINE__);
     LINE_AFTER("\r", "synth>");
     BEGIN_AFTER("se", "synth> seed 1,1,1 liver [radius=");
@@ -442,7 +442,7 @@ QUIT_STORY(what_was_entered_before_is_suggested_and_taken)
     check_awaited(is_at_column, "23", __LINE__);
     type("\037\037"); /* undo the suggestion, and a word of it */
     check_awaited(is_at_column, "11", __LINE__);
-    LINE_AFTER("\025la\033[A", "synth> label 7 liver [#rrggbb] [number=N]");
+    LINE_AFTER("\025la\033[A", "synth> label 7 liver [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
     type("\033[B");
     check_awaited(is_at_column, "9", __LINE__);
     LINE_AFTER("\025goto \033.\033.", "synth> goto 1");

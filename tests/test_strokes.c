@@ -180,8 +180,8 @@ JOURNAL_STORY(only_intensities_of_the_range_are_planted, "range.iftty")
     is_refused(&interp, "seed 1,1,1 1 range=200..300",
                "range: no voxel of it has such an intensity");
     is_refused(&interp, "seed 1,1,1 1 range=20",
-               "range: expected LOW..HIGH, as in 40..1200.5 or 1e-6..2.5e-6, of at most 19 digits "
-               "each, not 20");
+               "range: expected LOW..HIGH, as in 40..1200.5, or 2:LOW..HIGH of channel 2, of at "
+               "most 19 digits each, not 20");
     is_refused(&interp, "seed 1,1,1 1 range=20..10", "expected LOW..HIGH");
     must(&interp, "range 0 90");
     is_refused(&interp, "seed 9,9,8 1 range=90..300", "is outside the region of interest");

@@ -940,6 +940,9 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
         buf_clear(&p->message);
         pilot_press(&press);
     } else if (pixel_of(p, &event->mouse, &column, &row)) {
+        p->is_stale |= !p->view.rgba; /* a click stopped the drawing of a finer picture */
+        if (!p->view.rgba)
+            draw_view(p);
         pilot_click(&press, column, row);
     }
     /* The mouse may move from pixel to pixel without any change. */
