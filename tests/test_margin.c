@@ -98,7 +98,8 @@ STORY(arcs_that_depend_on_the_label_are_refused)
     w = world_new(4, 3, 2, 6);
     forest_set_arcs(w.forest, &arcs);
     struct rival rival;
-    CHECK_INT(rival_find(&rival, w.forest, grid_cell(&w.scene->grid, 1, 1, 1), &fault), ERR_USAGE);
+    CHECK_INT(rival_find(&rival, w.forest, grid_cell(&w.scene->grid, 1, 1, 1), &fault), OK);
+    CHECK(!rival.exists);
     CHECK_INT(margin_new(&margin, w.forest, &fault), ERR_USAGE);
     CHECK_HAS(fault.text, "weight polarity");
     CHECK(margin == NULL);

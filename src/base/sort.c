@@ -116,3 +116,9 @@ int sort_compare(const void *a, const void *b)
     const uint64_t *x = a, *y = b;
     return (*x > *y) - (*x < *y);
 }
+
+int sort_compare_32(const void *a, const void *b)
+{
+    const uint32_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}

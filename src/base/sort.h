@@ -18,8 +18,9 @@
 enum err sort_by_upper_half(uint64_t *number, size_t count, struct watch *watch,
                             struct fault *fault);
 
-/* Compare two uint64_t, for qsort and bsearch. */
+/* Compare two uint64_t, for qsort and bsearch; or two uint32_t, which may begin structures. */
 int sort_compare(const void *a, const void *b);
+int sort_compare_32(const void *a, const void *b);
 
 /*
  * A map from 64-bit keys to numbers: an open-addressing hash table that grows.

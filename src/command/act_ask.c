@@ -382,8 +382,6 @@ static enum err write_rival(const struct act *act, uint32_t at)
 {
     const struct session *session = act->session;
     struct rival rival;
-    if (forest_arcs(session->forest)->kind == ARC_POLARITY)
-        return OK;
     TRY(rival_find(&rival, session->forest, at, act->fault));
     if (!rival.exists)
         return OK;

@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "base/scan.h"
+#include "base/sort.h"
 #include "command/act.h"
 #include "command/golden_files.h"
 #include "journal/golden.h"
@@ -621,12 +622,6 @@ static bool keeps_seed(const struct act *act, const struct volume *map, uint32_t
            map->intensity[grid_voxel(&session->scene->grid, cell)] == REGION_NONE;
 }
 
-static int compare_cells(const void *a, const void *b)
-{
-    const uint32_t *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
 /* Add the voxels of a piece that have seeds of other labels, except for the first `own`, its own
  * seeds. */
 static enum err add_overruled(struct voxels *out, const struct act *act, const struct piece *piece,
@@ -636,7 +631,7 @@ static enum err add_overruled(struct voxels *out, const struct act *act, const s
     for (uint32_t c = run.first; c < run.end; c++) {
         const int16_t label = markers_seed(markers, c);
         if (label == EDIT_ERASE || label == piece->label ||
-            bsearch(&c, out->cell, own, sizeof c, compare_cells))
+            bsearch(&c, out->cell, own, sizeof c, sort_compare_32))
             continue;
         if (!mem_grow(&out->cell, &out->capacity, out->count + 1, sizeof *out->cell))
             return fault_memory(act->fault, "seeds of pieces");

@@ -99,12 +99,6 @@ static bool removes_seed(const struct forest *forest, const struct edit *edit)
     return cell->flags & CELL_SEED && (cell->label != edit->label || reach != edit->reach);
 }
 
-static int compare_cells(const void *a, const void *b)
-{
-    const uint32_t x = ((const struct edit *)a)->cell, y = ((const struct edit *)b)->cell;
-    return (x > y) - (x < y);
-}
-
 bool loses_too_much(const struct forest *forest)
 {
     const size_t cells = forest->scene->grid.cells, step = cells / SAMPLES + 1;
@@ -117,7 +111,7 @@ bool loses_too_much(const struct forest *forest)
         const struct edit wanted = {.cell = key_root(cell->key)};
         const struct edit *edit = cleared ? NULL
                                           : bsearch(&wanted, forest->changing, forest->edits,
-                                                    sizeof wanted, compare_cells);
+                                                    sizeof wanted, sort_compare_32);
         reached++;
         lost +=
             cleared ||
@@ -465,7 +459,6 @@ enum err forest_new(struct forest **out, struct scene *scene, unsigned adjacency
         return fault_memory(fault, "a forest");
     forest->scene = scene;
     forest->cell = scene->cell;
-    forest->level = UINT32_MAX;
     forest->change_limit = scene->grid.voxels / CHANGES_SHARE + 1;
     forest->clear_limit = scene->grid.voxels / CLEARED_SHARE;
     if (forest->clear_limit < CLEARED_FEW)
@@ -527,12 +520,6 @@ uint32_t forest_predecessor(const struct forest *forest, uint32_t cell)
             return (uint32_t)(neighbour - forest->cell);
     }
     return CELL_NONE;
-}
-
-bool forest_is_final(const struct forest *forest, uint32_t cell)
-{
-    const struct cell *at = forest->cell + cell;
-    return cell_is_reached(at) && key_level(at->key) <= forest->level;
 }
 
 struct changes forest_changes(const struct forest *forest)

@@ -98,16 +98,9 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
  * fails, the forest has its seeds and no keys. The message states which of the two happened. */
 enum err forest_rebuild(struct forest *forest, struct fault *fault);
 
-/*
- * Return true if a voxel has its final key and label. Call this while a run is shown.
- *
- * The scene's watch may show a run before it ends (watch.h). Forest and scene can then be read, by
- * one thread at a time or by the forest's own team, and must not be changed. Levels are processed
- * from the lowest up, so key and label of a processed voxel are final. Other voxels have their
- * former key, a preliminary one, or none. Between runs the function is true for every voxel that a
- * seed reaches.
- */
-bool forest_is_final(const struct forest *forest, uint32_t cell);
+/* The scene's watch may show a run before it ends (watch.h). Forest and scene can then be read, by
+ * one thread at a time or by the forest's own team, and must not be changed. Voxels have their
+ * final key, their former one, a preliminary one, or none. */
 
 /* The seeds before and after the last edit, one entry for each of its `count` voxels. Valid until
  * the next edit. */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/mem.h"
+#include "base/sort.h"
 #include "engine/margin.h"
 
 /* A voxel at the border. */
@@ -108,12 +109,6 @@ static enum err find_limits(struct finding *f, struct fault *fault)
 
 /* ---- places ---- */
 
-static int compare_cells(const void *a, const void *b)
-{
-    const struct edge_voxel *x = a, *y = b;
-    return (x->cell > y->cell) - (x->cell < y->cell);
-}
-
 static bool in_same_block(const struct grid *grid, uint32_t a, uint32_t b)
 {
     const struct place p = grid_place(grid, a), q = grid_place(grid, b);
@@ -143,7 +138,7 @@ static bool grow_place(struct finding *f, size_t first)
         for (int i = 0; i < 26; i++) {
             const struct edge_voxel sought = {.cell = here->cell + (uint32_t)f->corners.offset[i]};
             const struct edge_voxel *beside =
-                bsearch(&sought, f->voxel, f->count, sizeof sought, compare_cells);
+                bsearch(&sought, f->voxel, f->count, sizeof sought, sort_compare_32);
             if (beside && !f->taken[beside - f->voxel] &&
                 ((beside->label == begin->label && beside->other == begin->other) ||
                  (beside->label == begin->other && beside->other == begin->label)) &&

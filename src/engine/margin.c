@@ -252,9 +252,7 @@ enum err rival_find(struct rival *rival, const struct forest *forest, uint32_t c
     const size_t cells = scene->grid.cells;
     *rival = (struct rival){.exists = false};
     if (forest_arcs(forest)->kind == ARC_POLARITY)
-        return fault_set(fault, ERR_USAGE,
-                         "no other label is looked for under `weight polarity`, where the cost of "
-                         "a step depends on the label");
+        return OK;
     struct search s = search_begin(forest);
     s.rival = rival;
     s.label = scene->cell[cell].label;

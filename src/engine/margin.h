@@ -51,8 +51,8 @@ struct rival {
     uint8_t label; /* among labels of equal cost, the smallest that was examined */
 };
 
-/* Find the rival of a voxel that a seed reaches; no edit may be in progress. ERR_USAGE under
- * ARC_POLARITY, ERR_MEMORY, ERR_CANCELLED by the scene's watch. */
+/* Find the rival of a voxel that a seed reaches, none under ARC_POLARITY; no edit may be in
+ * progress. ERR_MEMORY, ERR_CANCELLED by the scene's watch. */
 enum err rival_find(struct rival *rival, const struct forest *forest, uint32_t cell,
                     struct fault *fault);
 

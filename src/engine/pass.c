@@ -549,7 +549,6 @@ static void work(void *context, unsigned number)
                 forest->task.done = all.served;
                 cancelled = (!task_poll(&forest->task) && forest->may_stop) || forest->cut_short;
             }
-            forest->level = level;
             forest->pauses = forest->may_stop && watch_wants_show(forest->task.watch);
         }
         for (unsigned i = number; i < end; i++) {
@@ -574,7 +573,6 @@ enum err forest_pass(struct forest *forest)
         if (forest->pauses && !all.err)
             watch_show(forest->task.watch);
     } while ((forest->pauses || pass.calls_team) && !all.err);
-    forest->level = UINT32_MAX;
     for (unsigned i = 0; i < forest->workers; i++) {
         struct worker *worker = forest->worker + i;
         forest->stats.served += worker->served;

@@ -93,7 +93,6 @@ struct forest {
     _Atomic bool cut_short; /* ends the pass: all workers leave their level */
     bool alone;             /* the first worker acts for all; set before all meet */
     bool pauses;            /* all workers leave the pass so that it can be shown; likewise */
-    uint32_t level;         /* all levels up to this are served; UINT32_MAX between passes */
 
     bool from_scratch; /* the pass began with seeds only: no key will rise */
     struct forest_stats stats;

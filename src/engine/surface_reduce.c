@@ -264,20 +264,10 @@ static bool look_around(struct reduction *r, uint32_t point)
     return true;
 }
 
-/* Find the move of the least cost, the first around the point on a tie; return the cost. The
- * manifold test is postponed until the move is the next one: few ever are. */
-static uint64_t find_move(struct reduction *r, uint32_t point)
-{
-    unsigned to = 0;
-    if (!look_around(r, point))
-        return NEVER;
-    const uint64_t cost = least_cost(r, &to);
-    r->node[point].to = r->neighbour[to];
-    return cost;
-}
-
-/* Find the move of the least cost that keeps the current surface a manifold. */
-static uint64_t find_sound_move(struct reduction *r, uint32_t point)
+/* Find the move of the least cost, the first around the point on a tie; return the cost. If it is
+ * to be sound, it keeps the current surface a manifold; for others that test is postponed until the
+ * move is the next one: few ever are. */
+static uint64_t find_move(struct reduction *r, uint32_t point, bool is_sound)
 {
     uint64_t cost;
     unsigned to = 0;
@@ -285,7 +275,7 @@ static uint64_t find_sound_move(struct reduction *r, uint32_t point)
         return NEVER;
     while ((cost = least_cost(r, &to)) != NEVER) {
         r->node[point].to = r->neighbour[to];
-        if (stays_manifold(r, r->spoke[to].corner))
+        if (!is_sound || stays_manifold(r, r->spoke[to].corner))
             break;
         r->spoke[to].is_out = true;
     }
@@ -368,10 +358,10 @@ static void find_moves_around(struct reduction *r, uint32_t to)
 {
     const uint32_t first = r->node[to].corner;
     uint32_t c = first;
-    put_again(r, to, find_move(r, to));
+    put_again(r, to, find_move(r, to, false));
     do {
         const uint32_t point = point_at(r, next_in_triangle(c));
-        put_again(r, point, find_move(r, point));
+        put_again(r, point, find_move(r, point, false));
         c = swing(r, c);
     } while (c != first);
 }
@@ -384,7 +374,7 @@ static void reduce_triangles(struct reduction *r, size_t most, struct task *task
             return;
         find_neighbours(r, point);
         if (!(stays_manifold(r, corner_towards(r, point, r->node[point].to)))) {
-            put_again(r, point, find_sound_move(r, point));
+            put_again(r, point, find_move(r, point, true));
             continue;
         }
         move_point(r, point);
@@ -461,7 +451,7 @@ enum err surface_reduce(struct surface *surface, size_t most, struct watch *watc
         struct task task = task_begin(watch, "fewer triangles",
                                       16 * surface->points + 8 * (surface->triangles - most));
         for (uint32_t i = 0; i < surface->points && task_advance(&task, 16); i++) {
-            const struct price price = {find_move(r, i), i};
+            const struct price price = {find_move(r, i, false), i};
             settle(r, r->in_heap++, price);
         }
         if (!watch_stops(watch))

@@ -337,7 +337,7 @@ static bool host_why(void *context, const uint32_t place[3], struct pilot_way *o
         return false;
     }
     enum err err = way_find(way, forest, cell, &fault);
-    if (!err && forest_arcs(forest)->kind != ARC_POLARITY)
+    if (!err)
         err = rival_find(&rival, forest, cell, &fault);
     if (err) {
         buf_printf(words, "error: %s", fault.text);

@@ -12,6 +12,7 @@
 #include "base/hash.h"
 #include "base/mem.h"
 #include "base/scan.h"
+#include "base/sort.h"
 
 enum { LABELS = 256 };
 
@@ -630,12 +631,6 @@ void regions_release(struct regions *regions)
     *regions = (struct regions){0};
 }
 
-static int compare_ranges(const void *a, const void *b)
-{
-    const struct region_range *x = a, *y = b;
-    return (x->first > y->first) - (x->first < y->first);
-}
-
 /* Take as many regions as have labels one after another. */
 static enum err pair_up(struct regions *regions, const char *list, const char *as,
                         struct fault *fault)
@@ -661,7 +656,7 @@ static enum err pair_up(struct regions *regions, const char *list, const char *a
     if (as && (label <= last_label || scan_list_range(&as, 0, UINT32_MAX, &label, &last_label)))
         return fault_set(fault, ERR_USAGE, "as: label %lld and those after it have no region",
                          (long long)label);
-    qsort(regions->range, regions->count, sizeof *regions->range, compare_ranges);
+    qsort(regions->range, regions->count, sizeof *regions->range, sort_compare_32);
     for (size_t i = 1; i < regions->count; i++)
         if (regions->range[i].first <= regions->range[i - 1].last)
             return fault_set(fault, ERR_USAGE, "regions: %u is listed twice",

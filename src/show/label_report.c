@@ -371,9 +371,23 @@ static struct figures figures_of(const struct label_report *report, unsigned lab
     return f;
 }
 
+/* Add the facts about intensities of the scene. */
+static struct figures add_facts(struct figures f, const struct label_report *report)
+{
+    if (report->channel)
+        figures_add(&f, "intensity_channel", report->channel);
+    if (report->levels) {
+        figures_add(&f, "intensity_step", report->levels->step);
+        figures_add(&f, "voxels_below_scale", (double)report->levels->beyond[0]);
+        figures_add(&f, "voxels_above_scale", (double)report->levels->beyond[1]);
+    }
+    return f;
+}
+
 void label_report_write_json(struct buf *out, const struct label_report *report)
 {
     struct json json = {.out = out};
+    const struct figures facts = add_facts((struct figures){.count = 0}, report);
     uint8_t order[256];
     json_object(&json, NULL);
     if (geometry_fill(report->geometry) < 1) /* surfaces are approximate there */
@@ -393,33 +407,14 @@ void label_report_write_json(struct buf *out, const struct label_report *report)
         json_end(&json);
     }
     json_end(&json);
-    if (report->channel)
-        json_count(&json, "intensity_channel", report->channel);
-    if (report->levels) {
-        json_real(&json, "intensity_step", report->levels->step, 6);
-        json_count(&json, "voxels_below_scale", report->levels->beyond[0]);
-        json_count(&json, "voxels_above_scale", report->levels->beyond[1]);
-    }
+    figures_write_json(&json, &facts);
     json_end(&json);
 }
 
 /* Facts of the scene are in every row of the table. */
-static struct figures csv_figures_of(const struct label_report *report, unsigned label)
-{
-    struct figures f = figures_of(report, label);
-    if (report->channel)
-        figures_add(&f, "intensity_channel", report->channel);
-    if (report->levels) {
-        figures_add(&f, "intensity_step", report->levels->step);
-        figures_add(&f, "voxels_below_scale", (double)report->levels->beyond[0]);
-        figures_add(&f, "voxels_above_scale", (double)report->levels->beyond[1]);
-    }
-    return f;
-}
-
 void label_report_write_csv(struct buf *out, const struct label_report *report)
 {
-    const struct figures names = csv_figures_of(report, 0);
+    const struct figures names = add_facts(figures_of(report, 0), report);
     uint8_t order[256];
     figures_write_csv_names(out, &names);
     numbering_order(order, report->label_number);
@@ -427,7 +422,7 @@ void label_report_write_csv(struct buf *out, const struct label_report *report)
         const unsigned label = order[i];
         if (!has_row(report, label))
             continue;
-        const struct figures f = csv_figures_of(report, label);
+        const struct figures f = add_facts(figures_of(report, label), report);
         buf_printf(out, "%u", report->label_number[label]);
         figures_write_csv(out, report->label_name[label], &f);
     }
