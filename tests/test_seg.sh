@@ -72,6 +72,15 @@ the grid of the scene or of its file, and DICOM SEG lacks planes without segment
 resample=yes, for its nearest voxels" "open ct reduce=2; labels binary.dcm"
 answers "resampled from 26x22x13 voxels" "open ct reduce=2; labels binary.dcm resample=yes"
 
+begin "a voxel of a SEG elsewhere is not tested by a proof"
+mkdir here
+"$PYTHON" -c 'import nibabel
+nibabel.save(nibabel.load("labels.twin.nii").slicer[9:10, 9:10, 6:7], "here/one.nii")'
+expect_in here 0 "$iftty" -c "open one.nii; channel ../binary.dcm" --journal one.iftty
+grep -q ' sha256=.* sha256=\|^= 2 .* sha256=' here/one.iftty || fail "$(cat here/one.iftty)"
+expect 3 "$iftty" verify here/one.iftty
+expect 0 "$iftty" verify here/one.iftty --channel binary.dcm
+
 begin "contradictory files are refused in one line"
 while read -r name words; do
     refused "$words" "open ct; labels $name.dcm"

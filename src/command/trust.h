@@ -16,7 +16,7 @@
  *              A regular file elsewhere, by its path or behind a link, is read as a scene or a
  *          channel for a record with the SHA-256 of its voxels (`sha256=`), which can only be
  *          written by an owner of the voxels. The content decides, not the name: the file is read
- *          silently, and if it has not those voxels (a folder, a device, a file replaced
+ *          silently, and if its voxels differ (a folder, a device, a file replaced
  *          meanwhile), the result is the same as for a missing file: the same words, the same
  *          status, nothing drawn and nothing written. So nothing is learned about an unknown
  *          file. Parts of a file (crop, reduce, a data set of HDF5, a channel of such a part)

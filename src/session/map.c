@@ -370,10 +370,11 @@ static enum err choose_voxels(struct volume_reader *reader, const struct map_pla
     return volume_choose(reader, &choice, fault);
 }
 
-/* Planes without a segment are missing in DICOM SEG: they are background. */
+/* Planes without a segment are missing in DICOM SEG: they are background. Not by a proof, which
+ * is for whole files (T1 of command/trust.h). */
 static enum regrid_how how_of(const struct map_place *place, const struct volume_header *header)
 {
-    return header->is_segments && place->resample != REGRID_RESAMPLE &&
+    return header->is_segments && !place->choice.proof && place->resample != REGRID_RESAMPLE &&
                    regrid_is_aligned(header->size, &header->geometry, place->grid->size,
                                      place->geometry)
                ? REGRID_FILL
