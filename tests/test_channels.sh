@@ -174,6 +174,26 @@ expect 3 "$iftty" verify here/part.iftty
 out_has "the journal may not read ../there/flair.nii: there is no file flair.nii next to"
 expect 0 "$iftty" verify here/part.iftty --channel there/flair.nii
 
+begin "--channel is for recorded channels, each command FILE in turn"
+expect 0 "$iftty" -c "open case_0000.nii; channel case_0001.nii; channel 2 remove=yes
+    channel truth.nii" --journal turn.iftty
+mkdir turn
+cp turn.iftty case_0000.nii turn
+cp case_0001.nii turn/1.nii
+cp truth.nii turn/2.nii
+cp a-real.nii turn/new.nii
+for program in verify replay; do
+    expect 0 "$iftty" $program turn/turn.iftty --channel turn/1.nii --channel turn/2.nii
+done
+expect_in turn 0 "$iftty" -c "channel new.nii" --journal turn.iftty --channel 1.nii \
+    --channel 2.nii --channel case_0000.nii
+expect 0 "$iftty" -c "open case_0000.nii; channel a-real.nii" --journal new.iftty
+same "$(last turn/turn.iftty channel)" "$(last new.iftty channel)"
+for words in "case_0000.nii case_0001.nii" "serve case_0000.nii" "-c info"; do
+    expect 2 "$iftty" $words --channel a-real.nii </dev/null
+    err_has "--channel: only for a journal that has recorded"
+done
+
 begin "several files of the command line are a scene and its channels"
 for program in "" serve; do
     rm -f files.iftty

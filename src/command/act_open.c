@@ -187,7 +187,8 @@ static void write_orientation(const struct act *act)
 /* Find the file of a scene. A journal is rejected: `open` does not resume it. */
 static enum err find_scene(const struct act *act, const char *name, bool by_proof, struct buf *path)
 {
-    const enum err err = interpreter_find_scene(act->interp, 0, name, by_proof, path, act->fault);
+    const enum err err =
+        interpreter_find_scene(act->interp, false, name, by_proof, path, act->fault);
     if (!err && interpreter_is_journal(buf_text(path)))
         return fault_set(act->fault, ERR_INPUT,
                          "%s is a journal, and `open` opens scenes; `iftty %s` in a shell resumes "
@@ -249,7 +250,7 @@ static enum err open_outside(const struct act *act, const char *name, struct vol
     choice->proof = proof;
     if (watch)
         watch->is_quiet = true;
-    if (!session->has_scene && interpreter_find_outside(act->interp, 0, name, path))
+    if (!session->has_scene && interpreter_find_outside(act->interp, false, name, path))
         session_open(session, buf_text(path), choice, &unsaid);
     if (watch)
         watch->is_quiet = false;

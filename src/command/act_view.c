@@ -92,8 +92,7 @@ static enum err read_volume(struct volume *volume, char proof[SHA256_HEX], const
 
 /* Read a file outside of the allowed folders if it has the voxels of the record's proof. Otherwise
  * report nothing, and *volume is empty; only a stop is an error. */
-static enum err read_outside(struct volume *volume, const struct act *act, unsigned channel,
-                             const char *recorded)
+static enum err read_outside(struct volume *volume, const struct act *act, const char *recorded)
 {
     struct watch *watch = act->session->watch;
     struct map_place place = act_map_place(act);
@@ -103,7 +102,7 @@ static enum err read_outside(struct volume *volume, const struct act *act, unsig
     place.choice.proof = recorded;
     if (watch)
         watch->is_quiet = true;
-    if (!interpreter_find_outside(act->interp, channel, act_text(act, "FILE"), path) ||
+    if (!interpreter_find_outside(act->interp, true, act_text(act, "FILE"), path) ||
         read_volume(volume, proof, act, &place, buf_text(path), &unsaid) != OK ||
         strcmp(proof, recorded) != 0)
         volume_release(volume);
@@ -117,7 +116,7 @@ static enum err read_channel(struct channel_values **values, const struct act *a
 {
     struct session *session = act->session;
     const struct map_place place = act_map_place(act);
-    const unsigned channel = kept_channels(&act->next->kept) + 1;
+    struct interpreter *interp = act->interp;
     OWNED(volume_release) struct volume volume = {0};
     struct buf *path = act_buf(act);
     char proof[SHA256_HEX];
@@ -125,12 +124,14 @@ static enum err read_channel(struct channel_values **values, const struct act *a
     const bool by_proof = !session->part.whole[0] && !call_has(act->call, "resample|data") &&
                           act_find_proof(act, proof);
     if (by_proof)
-        TRY(read_outside(&volume, act, channel, proof));
+        TRY(read_outside(&volume, act, proof));
     if (!volume.intensity) {
-        TRY(interpreter_find_scene(act->interp, channel, act_text(act, "FILE"), by_proof, path,
+        TRY(interpreter_find_scene(interp, true, act_text(act, "FILE"), by_proof, path,
                                    act->fault));
         TRY(read_volume(&volume, proof, act, &place, buf_text(path), act->fault));
     }
+    if (interp->mode != MODE_LIVE && interp->channel_path && *interp->channel_path)
+        interp->channel_path++;
     act_add_levels(act, volume.levels);
     TRY(channel_values_new(values, session, &volume, act->fault));
     act_add_digest(act, "channel", channel_values_digest(*values));

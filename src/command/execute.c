@@ -161,6 +161,7 @@ static void clear_away(struct interpreter *interp, const char *path, struct buf 
 enum err interpreter_resume_journal(struct interpreter *interp, const char *path, struct buf *told,
                                     struct fault *fault)
 {
+    const char *const *channel_path = interp->channel_path;
     enum err err = interpreter_set_home(interp, path, fault);
     interp->mode = interp->resumes_in_full ? MODE_RESUME : MODE_SKIM;
     if (!err)
@@ -168,6 +169,7 @@ enum err interpreter_resume_journal(struct interpreter *interp, const char *path
     if (err == ERR_CHECK && !interp->resumes_in_full) {
         interp->mode = MODE_RESUME; /* start again */
         interp->resumes_in_full = true;
+        interp->channel_path = channel_path;
         history_release(&interp->history);
         session_reset(interp->session);
         history_init(&interp->history);

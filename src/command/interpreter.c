@@ -202,35 +202,34 @@ static enum err find_file(const struct interpreter *interp, const char *name, st
     return OK;
 }
 
-/* The file given by --scene, or for a channel, from 1, by --channel; NULL without one. */
-static const char *given_path(const struct interpreter *interp, unsigned channel)
+/* The file given by --scene, or for a recorded channel by --channel; NULL without one. */
+static const char *given_path(const struct interpreter *interp, bool is_channel)
 {
-    return !channel               ? interp->scene_path
-           : interp->channel_path ? interp->channel_path[channel - 1]
-                                  : NULL;
+    return !is_channel                                         ? interp->scene_path
+           : interp->channel_path && interp->mode != MODE_LIVE ? *interp->channel_path
+                                                               : NULL;
 }
 
-enum err interpreter_find_scene(const struct interpreter *interp, unsigned channel,
-                                const char *name, bool by_proof, struct buf *path,
-                                struct fault *fault)
+enum err interpreter_find_scene(const struct interpreter *interp, bool is_channel, const char *name,
+                                bool by_proof, struct buf *path, struct fault *fault)
 {
     const struct trust_sought sought[] = {
         {"scene", "was opened", "; expected --scene FILE", true, by_proof},
         {"file", "has changed", "; expected --channel FILE", false, by_proof}};
-    const char *given = given_path(interp, channel);
-    if (!channel && strncmp(name, "synth:", 6) == 0)
+    const char *given = given_path(interp, is_channel);
+    if (!is_channel && strncmp(name, "synth:", 6) == 0)
         given = name;
     if (!given)
-        return find_file(interp, name, path, &sought[channel > 0], fault);
+        return find_file(interp, name, path, &sought[is_channel], fault);
     buf_clear(path);
     buf_add_text(path, given);
     return path->failed ? fault_memory(fault, "a path") : OK;
 }
 
-bool interpreter_find_outside(const struct interpreter *interp, unsigned channel, const char *name,
+bool interpreter_find_outside(const struct interpreter *interp, bool is_channel, const char *name,
                               struct buf *path)
 {
-    return interpreter_is_wary(interp) && !given_path(interp, channel) &&
+    return interpreter_is_wary(interp) && !given_path(interp, is_channel) &&
            strncmp(name, "synth:", 6) != 0 &&
            trust_find_outside(path, buf_text(&interp->home), interpreter_scenes(), name);
 }

@@ -81,8 +81,8 @@ struct interpreter {
     struct buf home; /* path of the current journal: golden images and scenes are next to it */
     const char *scene_path; /* the scene to open in place of any name given to `open`, or NULL */
     const char *const
-        *channel_path;      /* files to read as channels 2, 3 ... in place of the names given
-                                        to `channel`, ended by NULL; or NULL */
+        *channel_path;      /* files to read for the next recorded `channel FILE` commands, in
+                               place of their names, ended by NULL; or NULL */
     const char *out_folder; /* folder for all files, by their last names; NULL: names as given */
 
     /* Lists of names, each ended by NUL. `made`: files written by this replay, which it may
@@ -158,18 +158,17 @@ void interpreter_write_lock(const struct interpreter *interp, struct buf *told);
 /* $IFTTY_SCENES: folders separated by colons; by default Debian's mricron-data. */
 const char *interpreter_scenes(void);
 
-/* Find the path of the scene `name`, or of the file of a channel, from 1: scene_path, or that of
- * channel_path; next to the journal; as given; in a folder of interpreter_scenes(). In a wary
- * interpreter: scene_path or channel_path; below the folder of the journal or of
- * interpreter_scenes(), where a name that leads elsewhere is searched by its last part. `by_proof`:
- * the file elsewhere has already been tried by the proof of its record. */
-enum err interpreter_find_scene(const struct interpreter *interp, unsigned channel,
-                                const char *name, bool by_proof, struct buf *path,
-                                struct fault *fault);
+/* Find the path of the scene `name`, or of the file of a channel: scene_path, or for a recorded
+ * channel the first of channel_path; next to the journal; as given; in a folder of
+ * interpreter_scenes(). In a wary interpreter: scene_path or channel_path; below the folder of the
+ * journal or of interpreter_scenes(), where a name that leads elsewhere is searched by its last
+ * part. `by_proof`: the file elsewhere has already been tried by the proof of its record. */
+enum err interpreter_find_scene(const struct interpreter *interp, bool is_channel, const char *name,
+                                bool by_proof, struct buf *path, struct fault *fault);
 
 /* In a wary interpreter: find the path of a regular file elsewhere that may be read only with the
  * proof of its record (T1 of command/trust.h). */
-bool interpreter_find_outside(const struct interpreter *interp, unsigned channel, const char *name,
+bool interpreter_find_outside(const struct interpreter *interp, bool is_channel, const char *name,
                               struct buf *path);
 
 /* Rewrite the name of the file that a new command reads for the record: relative to the folder of

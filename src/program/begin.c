@@ -71,6 +71,15 @@ void begin_to_wait(struct interpreter *interp)
     session_let_wait(interp->session, least);
 }
 
+enum err begin_check_channels(const struct options *o, bool resumes, struct fault *fault)
+{
+    return !o->channel[0] || resumes || (o->journal && file_exists(o->journal))
+               ? OK
+               : fault_set(fault, ERR_USAGE,
+                           "--channel: only for a journal that has recorded `channel`; `channel "
+                           "FILE`, or a further file after the scene, adds one");
+}
+
 enum err begin_check(const struct options *o, const char **first, bool *resumes,
                      struct fault *fault)
 {
@@ -80,6 +89,7 @@ enum err begin_check(const struct options *o, const char **first, bool *resumes,
     *resumes = is_journal;
     if (is_journal && o->words > 1)
         return fault_set(fault, ERR_USAGE, "%s is a journal; expected no other file", name);
+    TRY(begin_check_channels(o, is_journal, fault));
     if (o->read_only && !o->journal && !is_journal)
         return fault_set(fault, ERR_USAGE, "--read-only: name the journal to look at");
     if (name && file_is_named(name, ".iftty") && !file_exists(name))

@@ -65,7 +65,7 @@ static const struct option option[] = {
     [SCENE] = {"--scene", "FILE", "open this scene instead of the one that `open` names",
                TEXT(scene)},
     [CHANNEL] = {"--channel", "FILE",
-                 "read this file for the next channel that `channel` adds; may be repeated",
+                 "read this file for the next `channel FILE` of a journal; may be repeated",
                  option_read_next, offsetof(struct options, channel), 0, CHANNELS_MOST, NULL},
     [OUT] = {"--out", "DIR", "write files into this folder", TEXT(out)},
     [REPLAY_OUT] = {"--out", "DIR", "write files into this folder (default: a new temporary one)",

@@ -37,6 +37,9 @@ void begin_to_wait(struct interpreter *interp);
 enum err begin_check(const struct options *o, const char **first, bool *resumes,
                      struct fault *fault);
 
+/* ERR_USAGE for --channel unless a journal is resumed. */
+enum err begin_check_channels(const struct options *o, bool resumes, struct fault *fault);
+
 /* The volume that --volume selects for a file of the command line, by its number from 0. */
 struct volume_choice begin_volume(const struct options *o, size_t which);
 

@@ -105,6 +105,7 @@ static void print_nothing(void *context, const char *text)
 static enum err run_lines(const struct options *o, FILE *input, const char *name,
                           struct fault *fault)
 {
+    TRY(begin_check_channels(o, false, fault));
     OWNED(interpreter_release) struct interpreter interp;
     const struct printer printer = {.context = (void *)(uintptr_t)o,
                                     .print = o->json ? print_nothing : console_print,
