@@ -98,6 +98,21 @@ expect 0 "$iftty" -c "open a-real.nii; window 10 20; channel b-real.nii; show-ch
 same "$(grep -o 'window [0-9. ]*,' out | tail -n 3 | tr '\n' ' ')" \
     "window 10 20, window 30 40, window 10 20, "
 
+begin "another file in the slot of an undone channel has no window of that one"
+expect 0 "$iftty" -c "open a-real.nii; channel a-real.nii; undo; channel b-real.nii; show-channel 2
+    window 30 40; goto 2; show-channel 2; info; goto 4; info"
+same "$(grep -o 'window [a-z0-9: ]*' out | tail -n 2 | cut -c 1-12 | tr '\n' ';')" \
+    "window auto:;window 30 40;"
+
+begin "the context is that of the channel that is shown"
+expect 0 "$iftty" -c "open a-real.nii; size 64 64; context mip; channel a-real.nii; show-channel 2
+    window 10 50; render a.png; channel 2 remove=yes; channel b-real.nii; show-channel 2
+    window 10 50; render b.png"
+expect 0 "$iftty" -c "open a-real.nii; size 64 64; context mip; channel b-real.nii; show-channel 2
+    window 10 50; render fresh.png"
+same_files b.png fresh.png
+! cmp -s a.png b.png || fail "the context is that of the removed channel"
+
 begin "adding, scaling and removing a channel is undone exactly, whatever is shown"
 steps="open case_0000.nii; channel case_0001.nii; $seeds; show-channel 2"
 expect 0 "$iftty" -c "$steps; channel 2 percent=50; undo; channel 2 remove=yes; why 42,25,20; undo

@@ -26,7 +26,7 @@ static const struct {
     }
     MEMBER(view.angle),        MEMBER(view.zoom),      MEMBER(view.focus),
     MEMBER(slices.cross),      MEMBER(slices.zoom),    MEMBER(slices.times),
-    MEMBER(slices.has_middle), MEMBER(slices.middle),  MEMBER(slices.has_window),
+    MEMBER(slices.has_middle), MEMBER(slices.middle),  MEMBER(slices.window_of),
     MEMBER(slices.window),     MEMBER(slices.channel),
 };
 

@@ -507,7 +507,7 @@ enum err act_window(const struct act *act)
                          "expected LOW and HIGH, or auto alone; nothing has changed");
     if (!is_auto && decimal_value(&window[1]) <= decimal_value(&window[0]))
         return fault_set(act->fault, ERR_USAGE, "HIGH is not above LOW; nothing has changed");
-    slices->has_window[slot] = !is_auto;
+    slices->window_of[slot] = is_auto ? 0 : session_shown_digest(act->session);
     for (int i = 0; i < 2; i++)
         slices->window[slot][i] = is_auto ? (struct decimal){0, 0, 0} : window[i];
     return go_and_describe(act);

@@ -165,11 +165,11 @@ static uint32_t take_slot(struct state *next)
     unsigned used = 1, avoided = 0;
     for (unsigned i = 0; i < CHANNELS_MOST; i++) {
         used |= 1u << next->kept.channel[i].slot;
-        avoided |= slices->has_window[i + 1] << (i + 1);
+        avoided |= slices->window_of[i + 1] ? 2u << i : 0;
     }
     avoided |= used;
     const unsigned slot = (unsigned)__builtin_ctz(~(avoided < 255 ? avoided : used));
-    slices->has_window[slot] = 0;
+    slices->window_of[slot] = 0;
     slices->channel = slices->channel == slot ? 0 : slices->channel;
     return slot;
 }

@@ -393,8 +393,10 @@ void act_write_slices(struct buf *out, struct session *session)
         buf_printf(out, "%s %u%s", slice_name(session->scene, plane),
                    s->cross[slice_axis(session->scene, plane)],
                    plane < SLICE_SAGITTAL ? ", " : "; ");
-    buf_printf(out, "window %s%s %s, ",
-               s->has_window[session_shown_slot(session)] ? "" : "auto: ", least, most);
+    buf_printf(
+        out, "window %s%s %s, ",
+        s->window_of[session_shown_slot(session)] == session_shown_digest(session) ? "" : "auto: ",
+        least, most);
     if (s->times != SLICE_TIMES_ONE)
         buf_printf(out, "magnified %g, ", s->times / 1000.0);
     if (s->has_middle)

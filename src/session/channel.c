@@ -107,6 +107,12 @@ unsigned session_shown_channel(const struct session *session)
     return 0;
 }
 
+uint64_t session_shown_digest(const struct session *session)
+{
+    const unsigned shown = session_shown_channel(session);
+    return shown ? channel_values_digest(session->now.kept.channel[shown - 1].values) | 1 : 1;
+}
+
 unsigned session_shown_slot(const struct session *session)
 {
     return session_shown_channel(session) ? session->now.outlook.slices.channel : 0;

@@ -432,6 +432,9 @@ enum err kept_has_channel(const struct kept *kept, unsigned channel, struct faul
 unsigned session_shown_channel(const struct session *session);
 unsigned session_shown_slot(const struct session *session);
 
+/* An odd digest of its intensities, 1 for the first channel. */
+uint64_t session_shown_digest(const struct session *session);
+
 /* Set slope and intercept of *geometry to those of a channel, and return its levels, or NULL. */
 const struct levels *session_scale(struct geometry *geometry, const struct session *session,
                                    unsigned channel);

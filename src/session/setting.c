@@ -238,7 +238,7 @@ static const struct state_field {
     FIELD(outlook.view.angle, MADE_CAMERA),
     FIELD(outlook.view.zoom, MADE_CAMERA),
     FIELD(outlook.view.focus, MADE_CAMERA),
-    FIELD(outlook.slices.has_window, MADE_BY_WINDOW),
+    FIELD(outlook.slices.window_of, MADE_BY_WINDOW),
     FIELD(outlook.slices.window, MADE_BY_WINDOW),
     FIELD(outlook.slices.channel, MADE_CHANNELS),
 };

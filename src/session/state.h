@@ -169,8 +169,9 @@ struct slice_settings {
     uint32_t middle[3];  /* this voxel; otherwise at the cross-hair */
     uint32_t channel;    /* slot of the channel shown, 0 for the first (session_shown_channel); by
                          slot: */
-    uint32_t
-        has_window[CHANNELS_MOST + 1]; /* 0 or 1; otherwise the window follows from the scene */
+    uint64_t window_of[CHANNELS_MOST + 1];       /* digest of the channel that has this window
+                                              (session_shown_digest), which no other channel of
+                                              the slot has; 0: it follows from the scene */
     struct decimal window[CHANNELS_MOST + 1][2]; /* real values, black and white */
     enum slice_overlay overlay;
     uint32_t crosses, marks, words; /* 0 or 1: the cross-hair; seeds and eliminators; letters

@@ -39,12 +39,12 @@ void window_of(int32_t window[2], struct session *session)
     const unsigned slot = session_shown_slot(session);
     const struct geometry *geometry = &session->geometry;
     const bool falls = geometry->slope < 0;
+    const bool is_set = s->window_of[slot] == session_shown_digest(session);
     int32_t found[2];
-    if (!s->has_window[slot])
+    if (!is_set)
         session_find_window(session, found);
     for (int i = 0; i < 2; i++)
-        window[i] = s->has_window[slot] ? intensity_of(geometry, &s->window[slot][i])
-                                        : found[falls ? 1 - i : i];
+        window[i] = is_set ? intensity_of(geometry, &s->window[slot][i]) : found[falls ? 1 - i : i];
     if (window[0] == window[1])
         window[1] += falls ? -1 : 1;
 }
@@ -56,8 +56,9 @@ void window_values(double value[2], struct session *session)
     int32_t window[2];
     window_of(window, session);
     for (int i = 0; i < 2; i++)
-        value[i] = s->has_window[slot] ? decimal_value(&s->window[slot][i])
-                                       : geometry_value(&session->geometry, window[i]);
+        value[i] = s->window_of[slot] == session_shown_digest(session)
+                       ? decimal_value(&s->window[slot][i])
+                       : geometry_value(&session->geometry, window[i]);
 }
 
 /* Write "12.5", or four digits of a value too small for thousandths. */
@@ -214,7 +215,7 @@ static enum err draw_context(struct pictures *p, struct fault *fault)
 {
     struct session *session = p->session;
     struct mip_source source = {.scene = session->scene,
-                                .digest = session->scene_digest + session_shown_channel(session),
+                                .digest = session->scene_digest + session_shown_digest(session),
                                 .cut = session->now.kept.cut};
     const uint32_t samples = look_of(p)->samples;
     struct view view = p->camera.view; /* in samples; converted to pixels below */
