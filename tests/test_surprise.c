@@ -95,12 +95,18 @@ static void cubes_row(void *context, uint32_t y, uint32_t z, void *values)
             memset(row + cube[i].x, cube[i].value, cube[i].side);
 }
 
+static void flat_row(void *context, uint32_t y, uint32_t z, void *values)
+{
+    (void)context, (void)y, (void)z;
+    memset(values, 100, wide[0]);
+}
+
 STORY(the_second_of_a_pair_is_none)
 {
     struct geometry geometry = {.slope = 1, .spacing_nm = {1000000, 1000000, 1000000}};
     geometry_place_plain(&geometry, (const double[]){1, 1, 1});
-    const struct volume_map map = {wide, &geometry, VOXEL_UINT8, "cubes", cubes_row,
-                                   NULL, NULL,      NULL,        NULL};
+    struct volume_map map = {wide, &geometry, VOXEL_UINT8, "cubes", cubes_row,
+                             NULL, NULL,      NULL,        NULL};
     CHECK(volume_write("cubes.nii", FILE_REPLACE, &map, NULL, NULL) == OK);
     begin_interpreter(&interp);
     must(&interp, "open cubes.nii; auto on; seed 2,2,2 0; seed 9,9,13 1");
@@ -112,6 +118,13 @@ STORY(the_second_of_a_pair_is_none)
     CHECK(is_surprised("seed 32,32,16 1")); /* as bright, but far larger */
     must(&interp, "undo");
     CHECK(!is_surprised("seed 49,9,13 2")); /* an object of its own */
+    must(&interp, "undo");
+    map.row = flat_row;
+    CHECK(volume_write("flat.nii", FILE_REPLACE, &map, NULL, NULL) == OK);
+    must(&interp, "channel flat.nii; show-channel 2"); /* the first channel decides */
+    CHECK(is_surprised("seed 49,9,13 1"));
+    must(&interp, "undo");
+    CHECK(!is_surprised("seed 29,9,13 1"));
     interpreter_release(&interp);
 }
 

@@ -57,19 +57,27 @@ static uint64_t seeds_before(const struct session *session, unsigned label, uint
     return count > planted ? count - planted : 1;
 }
 
-/* True if new and old voxels of a label have similar intensities: means within half a standard
- * deviation. False if that is unknown. */
+/* True if new and old voxels of a label have similar intensities in the first channel: means within
+ * half a standard deviation. False if that is unknown. */
 static bool is_alike(struct session *session, unsigned label)
 {
     const struct changes changes = forest_changes(session->forest);
-    const struct cell *cell = session->scene->cell;
+    struct scene *scene = session->scene;
     struct label_sums sums;
     uint64_t count = 0, intensity = 0, squares = 0;
     if (changes.everything || label == 0 || session_sum_label(session, label, &sums, NULL))
         return false;
+    if (scene->shown)
+        sums.intensity = sums.intensity_squares = 0;
+    for (struct grid_walk w = scene_walk(scene, "intensities", NULL, 0);
+         scene->shown && grid_walk_next(&w);)
+        for (uint32_t c = w.row.first; c < w.row.end; c++) {
+            const uint64_t is = scene->cell[c].label == label ? scene_intensity(scene, 0, c) : 0;
+            sums.intensity += is, sums.intensity_squares += is * is;
+        }
     for (size_t i = 0; i < changes.count; i++)
         if (changes.item[i].label == label) {
-            const uint64_t is = cell[changes.item[i].cell].intensity;
+            const uint64_t is = scene_intensity(scene, 0, changes.item[i].cell);
             count++, intensity += is, squares += is * is;
         }
     if (count == 0 || sums.voxels <= count)
