@@ -13,10 +13,12 @@ static struct state state;
 static struct label_table table;
 static struct label_tally tally;
 
+static bool has_codes;
+
 static enum err read_text(const char *text)
 {
     fault = (struct fault){.text = ""};
-    return label_table_read(&table, text, strlen(text), &fault);
+    return label_table_read(&table, text, strlen(text), has_codes, &fault);
 }
 
 /* Reads a table and gives its names and colours to a fresh state. */
@@ -110,6 +112,32 @@ STORY(names_are_made_to_fit)
     CHECK_TEXT(state.kept.label_name[2], "Unknown (2)");
     CHECK_TEXT(state.kept.label_name[4], "An_unknown_part_of_the_left (4)");
     CHECK_INT(tally.changed, 2);
+}
+
+/* The code of the only label, and whether the file has more. */
+static const char *code_of(const char *text)
+{
+    CHECK_INT(read_text(text), OK);
+    static char code[LABEL_CODE_BYTES + 8];
+    snprintf(code, sizeof code, "%s%s", table.entry->code, table.entry->is_partial ? " +" : "");
+    label_table_release(&table);
+    return code;
+}
+
+STORY(codes_are_those_of_our_own_tables)
+{
+    has_codes = true;
+    CHECK_TEXT(code_of("1 1 2 3 1 1 1 \"liver\tSCT:10200004:Liver\""), "SCT:10200004:Liver");
+    CHECK_TEXT(code_of("1 1 2 3 1 1 1 \"Liver\tSCT:10200004:Liver\""), "SCT:10200004");
+    CHECK_TEXT(code_of("1 1 2 3 1 1 1 \"a=b\tSCT:1:a_b\""), "SCT:1"); /* the name that is kept */
+    CHECK_TEXT(code_of("1 1 2 3 1 1 1 \"a=b\tSCT:1:a=b\""), "SCT:1:a=b");
+    CHECK_TEXT(code_of("1 1 2 3 1 1 1 \"a\tSCT:85756007:Tissue\""), "");
+    CHECK_TEXT(code_of("1 1 2 3 1 1 1 \"a\tSCT:857560071\""), "SCT:857560071");
+    CHECK_TEXT(code_of("1 1 2 3 1 1 1 \"a\t1\""), " +");
+    has_codes = false;
+    CHECK_TEXT(code_of("1 1 2 3 1 1 1 \"a\tSCT:1\""), "");
+    CHECK_INT(take("1 1 2 3 1 1 1 \"a\tb\"", NULL, NULL), OK);
+    CHECK_TEXT(told(1), "a_b 010203");
 }
 
 STORY(names_are_kept_as_they_are_written)

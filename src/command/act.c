@@ -93,7 +93,7 @@ struct label_table atlas_table(const struct act *act, const char *path)
     name_table(name, path);
     if (!interpreter_is_wary(act->interp) && file_exists(buf_text(name)) &&
         file_read(text, buf_text(name), BESIDE_BYTES_MOST, NULL) == OK)
-        label_table_read(&table, buf_text(text), text->length, NULL);
+        label_table_read(&table, buf_text(text), text->length, false, NULL);
     return table;
 }
 
@@ -148,7 +148,7 @@ enum err act_label_file(const struct act *act)
         act,
         file_is_named(name, ".lut")
             ? label_table_read_lut(&table, (const uint8_t *)text->data, text->length, act->fault)
-            : label_table_read(&table, buf_text(text), text->length, act->fault)));
+            : label_table_read(&table, buf_text(text), text->length, false, act->fault)));
     TRY(act_prefix_file(act,
                         label_table_apply(&act->next->kept, &tally, &table, &regions, act->fault)));
     buf_printf(out, "%u name%s and %u colour%s of labels\n", tally.names, plural(tally.names),

@@ -307,7 +307,7 @@ static enum err read_names(struct label_table *names, const struct act *act, con
 {
     struct fault own = {.text = ""};
     const enum err err =
-        text->length ? label_table_read(names, text->data, text->length, &own) : OK;
+        text->length ? label_table_read(names, text->data, text->length, true, &own) : OK;
     if (err == ERR_MEMORY)
         return fault_memory(act->fault, "the names of labels");
     if (err)

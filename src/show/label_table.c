@@ -121,23 +121,25 @@ static void take_code(struct label_entry *entry, struct part *name)
     snprintf(code, sizeof entry->code, "%.*s", (int)(cell.end - cell.at), cell.at);
     entry->is_partial = *code && !label_code_fits(code);
     const size_t value = label_code_value(code);
-    if (entry->is_partial || part_is(*name, code + value + 1))
+    if (entry->is_partial)
         memset(code + value, 0, sizeof entry->code - value);
-    if (strncmp(code, "SCT:85756007", 12) == 0)
+    if (value == 12 && memcmp(code, "SCT:85756007", 12) == 0)
         memset(code, 0, sizeof entry->code);
     entry->is_partial |= take_cell(&rest, &cell) && cell.at < cell.end &&
                          !part_is(cell, "123037004") && !part_is(cell, "85756007");
     entry->is_partial |= take_cell(&rest, &cell);
 }
 
-static enum err take_name(struct label_entry *entry, struct part name, struct fault *fault)
+static enum err take_name(struct label_entry *entry, struct part name, bool has_codes,
+                          struct fault *fault)
 {
     OWNED(buf_release) struct buf plain = {0}, fit = {0};
     name = trimmed(name);
     const bool is_quoted = name.end - name.at > 1 && name.at[0] == '"' && name.end[-1] == '"';
     if (is_quoted) {
-        name = (struct part){name.at + 1, name.end - 1};
-        take_code(entry, &name);
+        name = trimmed((struct part){name.at + 1, name.end - 1});
+        if (has_codes)
+            take_code(entry, &name);
     }
     for (; name.at < name.end; name.at++) { /* without the backslash before a quote */
         name.at += is_quoted && name.at[0] == '\\' && name.at + 1 < name.end && name.at[1] == '"';
@@ -160,6 +162,9 @@ static enum err take_name(struct label_entry *entry, struct part name, struct fa
     }
     const size_t length = strlen(entry->name);
     entry->changed = length != plain.length || memcmp(entry->name, buf_text(&plain), length) != 0;
+    const size_t value = label_code_value(entry->code);
+    if (entry->code[value] && strcmp(entry->code + value + 1, entry->name) == 0)
+        memset(entry->code + value, 0, sizeof entry->code - value);
     return OK;
 }
 
@@ -298,7 +303,7 @@ static bool scan_cells(struct part line, const int column[COLUMNS], struct label
 }
 
 static enum err read_line(struct label_table *table, struct part line, const int column[COLUMNS],
-                          uint32_t number, struct fault *fault)
+                          bool has_codes, uint32_t number, struct fault *fault)
 {
     struct label_entry entry = {0};
     struct part name;
@@ -314,7 +319,7 @@ static enum err read_line(struct label_table *table, struct part line, const int
         if (table->count > REGION_MOST)
             return fault_set(fault, ERR_LIMIT, "line %u: more than %d labels; nothing has changed",
                              number, REGION_MOST + 1);
-        TRY(take_name(&entry, name, fault));
+        TRY(take_name(&entry, name, has_codes, fault));
         return add_entry(table, &entry) ? OK : fault_memory(fault, "a table of labels");
     }
     const ptrdiff_t length = line.end - line.at;
@@ -327,7 +332,7 @@ static enum err read_line(struct label_table *table, struct part line, const int
 }
 
 enum err label_table_read(struct label_table *table, const char *text, size_t length,
-                          struct fault *fault)
+                          bool has_codes, struct fault *fault)
 {
     const char *end = text + length;
     int column[COLUMNS] = {-1};
@@ -343,7 +348,8 @@ enum err label_table_read(struct label_table *table, const char *text, size_t le
         if (line.at == line.end || (*line.at == '#' && column[INDEX] < 0))
             continue;
         if (number > 1 || !find_columns(column, whole))
-            err = read_line(table, column[INDEX] < 0 ? line : whole, column, number, fault);
+            err = read_line(table, column[INDEX] < 0 ? line : whole, column, has_codes, number,
+                            fault);
     }
     if (!err && table->count == 0)
         err = fault_set(fault, ERR_INPUT,

@@ -16,10 +16,10 @@
  * its middle, since sides are at the end: "Superior_fronto-occ~al_capsule)_R". Changed names are
  * counted.
  *
- * A name in our own tables (image/names.h) may have further cells in its quotes, with tabs between
- * them: a code (label_code_fits), the value of its category, and a last one if the file has more.
- * The code alone is kept. Tissue and anatomical structures are the usual categories. Programs write
- * tissue as the code of a label without one; it is dropped.
+ * A name in our own tables (image/names.h, `has_codes`) may have further cells in its quotes, with
+ * tabs between them: a code (label_code_fits), the value of its category, and a last one if the
+ * file has more. The code alone is kept. Tissue and anatomical structures are the usual categories.
+ * Programs write tissue as the code of a label without one; it is dropped.
  *
  * The functions convert memory; the caller finds, reads and writes files.
  */
@@ -57,7 +57,7 @@ void label_table_release(struct label_table *table);
 /* Read a table of text: `length` bytes at `text`, and a NUL after them. ERR_LIMIT for more than
  * REGION_MOST + 1 labels, ERR_INPUT for the first invalid line. On errors *table is empty. */
 enum err label_table_read(struct label_table *table, const char *text, size_t length,
-                          struct fault *fault);
+                          bool has_codes, struct fault *fault);
 
 /* Read a .lut of labels 1 to 255. */
 enum err label_table_read_lut(struct label_table *table, const uint8_t *bytes, size_t length,

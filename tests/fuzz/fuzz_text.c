@@ -99,11 +99,11 @@ void fuzz_labels(const uint8_t *bytes, size_t length)
     if (label_table_read_lut(&table, bytes, length, NULL) == OK)
         HOLDS(take(&state.kept, &table));
     label_table_release(&table);
-    if (label_table_read(&table, buf_text(&text), length, NULL) == OK &&
+    if (label_table_read(&table, buf_text(&text), length, true, NULL) == OK &&
         take(&state.kept, &table)) {
         check_names(&state.kept);
         label_table_write(&written, &writing, format[length % 3], &state.kept, used);
-        HOLDS(label_table_read(&again, buf_text(&written), written.length, NULL) == OK);
+        HOLDS(label_table_read(&again, buf_text(&written), written.length, false, NULL) == OK);
         label_table_release(&again);
     }
     label_table_release(&table);

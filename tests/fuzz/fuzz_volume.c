@@ -77,7 +77,7 @@ static void read_names(const char *path, const struct volume_choice *choice)
         HOLDS(!*notes || names.length == 0);
         HOLDS(!names.length || !memchr(names.data, '\0', names.length));
         HOLDS(!names.length ||
-              label_table_read(&table, buf_text(&names), names.length, NULL) != ERR_INPUT);
+              label_table_read(&table, buf_text(&names), names.length, true, NULL) != ERR_INPUT);
     }
 }
 
