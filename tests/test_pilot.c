@@ -490,8 +490,8 @@ STORY(a_brush_within_intensities)
          "i|seed 20,25,30 1 range=80..120.5", "T7<Backspace><Backspace>");
     CHECK_TEXT(state.typed, "");
     press(KEY_ESCAPE, 0, 0);
-    static const char *const wrong[] = {"5",       "5..", "9..8",  "..",
-                                        "1..2..3", "-",   "1e..2", "1..99999999999999999999"};
+    static const char *const wrong[] = {
+        "5", "5..", "9..8", "..", "1..2..3", "2:1..2..3", "-", "1e..2", "1..99999999999999999999"};
     CHECK_TEXT(typed_range("1e-6..2.5e-6"), "seed 20,25,30 1 range=0.000001..0.0000025\n");
     CHECK_TEXT(typed_range("80..120.5"), "seed 20,25,30 1 range=80..120.5\n");
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)

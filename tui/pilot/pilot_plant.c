@@ -165,13 +165,15 @@ void pilot_end_range(struct press *p)
     const char *at = p->state->typed, *prefix = strchr(at, ':');
     const bool is_none = !*at || (prefix && !prefix[1]);
     struct decimal range[2];
-    if (!is_none && !(interval_scan(&at, &brush->range_channel, range) && *at == '\0')) {
+    unsigned channel = brush->range_channel;
+    if (!is_none && !(interval_scan(&at, &channel, range) && *at == '\0')) {
         buf_printf(p->message,
                    "expected LOW..HIGH, as in 40..1200.5, not %s; the brush is unchanged",
                    p->state->typed);
         return;
     }
     brush->has_range = !is_none;
+    brush->range_channel = channel;
     if (brush->has_range)
         memcpy(brush->range, range, sizeof range);
     say_brush(p);
