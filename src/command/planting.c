@@ -126,11 +126,15 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
             act->fault, ERR_INPUT,
             "all of it is outside the region of interest, where no tree grows; plant elsewhere, "
             "or widen the region with `mask` or `range` (`info` shows it); nothing was planted");
-    if (!planting->planted && planting->beyond)
+    if (!planting->planted && planting->beyond) {
+        struct buf *where = act_buf(act);
+        if (kept_channels(kept))
+            buf_printf(where, " in channel %u", planting->channel + 1);
         return fault_set(act->fault, ERR_INPUT,
-                         "range: no voxel of it has such an intensity in channel %u (`why X,Y,Z` "
-                         "prints that of one); nothing was planted",
-                         planting->channel + 1);
+                         "range: no voxel of it has such an intensity%s (`why X,Y,Z` prints that "
+                         "of one%s); nothing was planted",
+                         buf_text(where), where->length ? ", in the channel that is shown" : "");
+    }
     if (!planting->planted && planting->others)
         return fault_set(act->fault, ERR_INPUT,
                          "all of the shell is in objects other than the one inside, label %u; "

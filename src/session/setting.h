@@ -86,7 +86,7 @@ struct parameter {
     bool optional, keyed;
     bool is_read;    /* FILE: an existing file, which the command reads */
     bool is_scene;   /* the scene */
-    bool is_channel; /* a channel of it */
+    bool is_channel; /* the file of a further channel */
     bool is_kept;    /* WORD: numbers, a digest or a name that other commands use, which `log
                       --anonymise` keeps; any other word may be personal */
     bool is_code;    /* WORD: a code (label_code_fits), kept without its meaning */
