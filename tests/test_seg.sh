@@ -186,6 +186,9 @@ needs dciodvfy && {
 
 begin "what a SEG has besides a code is counted, and a meaning that does not fit left out"
 same "$(codes_of "labels bad-coded.dcm")" "1 $liver, 2 SRT:M-01000, 3 "
+same "$(codes_of "labels bad-lacking.dcm")" "1 , 2 , 3 " # without a value, a scheme, with a colon
+expect 0 "$iftty" -c "open ct; labels bad-lacking.dcm"
+out_has "3 labels with more in the file"
 expect 0 "$iftty" -c "open ct; labels bad-coded.dcm"
 out_has "3 labels with more in the file, which is not kept: IDs or tags of 3D Slicer, or the \
 category, modifier or region of a code"

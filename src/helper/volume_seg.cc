@@ -115,16 +115,21 @@ static std::string line_of(const gdcm::DataSet &set, const gdcm::Tag &tag,
     return line;
 }
 
-/* Read the cells of a segment's code (show/label_table.h). */
+/* Read the cells of a segment's code (show/label_table.h). Without a scheme or a value, or with a
+ * colon in them, it begins with a colon, and is no code. */
 static std::string code_of(const gdcm::DataSet &segment, const std::string &charset)
 {
     const gdcm::DataSet type = item_of(segment, property_tag, 0);
-    std::string words = "\t";
-    for (const uint16_t element : {uint16_t{0x0102}, uint16_t{0x0100}, uint16_t{0x0104}})
-        if (type.FindDataElement(gdcm::Tag(0x0008, element)))
-            words +=
-                (words.size() > 1 ? ":" : "") + line_of(type, gdcm::Tag(0x0008, element), charset);
-    return words + "\t" +
+    const std::string scheme = line_of(type, gdcm::Tag(0x0008, 0x0102), charset),
+                      value = line_of(type, gdcm::Tag(0x0008, 0x0100), charset),
+                      meaning = line_of(type, gdcm::Tag(0x0008, 0x0104), charset);
+    const bool is_code =
+        !scheme.empty() && !value.empty() && (scheme + value).find(':') == std::string::npos;
+    return "\t" +
+           (is_code                ? scheme + ":" + value
+            : scheme + value == "" ? ""
+                                   : ":") +
+           (meaning.empty() ? "" : ":" + meaning) + "\t" +
            line_of(item_of(segment, category_tag, 0), gdcm::Tag(0x0008, 0x0100), charset) +
            (type.FindDataElement(modifier_tag) || segment.FindDataElement(region_tag) ? "\tm" : "");
 }
@@ -222,12 +227,13 @@ static void place_frames(Segments &segments, Volume &volume, const std::vector<S
                                            place.begin()),
                last = static_cast<size_t>(std::max_element(place.begin(), place.end()) -
                                           place.begin());
-    const double mm = step > 0 ? step : 1;
-    std::vector<Slice> planes(
-        static_cast<size_t>(std::round((place[last] - place[first]) / mm)) + 1, slice[first]);
-    planes.back() = slice[last];
-    planes[0].between = mm;
-    place_series(volume, planes);
+    const double mm = step > 0 ? step : 1, steps = std::round((place[last] - place[first]) / mm);
+    std::vector<Slice> ends(steps > 0 ? 2 : 1, slice[first]);
+    ends.back() = slice[last];
+    ends[0].between = mm;
+    place_series(volume, ends);
+    for (auto &row : volume.to_mm)
+        row[2] /= std::max(steps, 1.0);
     for (size_t f = 0; f < slice.size(); f++) {
         const double plane = std::round((place[f] - place[first]) / mm);
         double apart = 0;
@@ -241,7 +247,7 @@ static void place_frames(Segments &segments, Volume &volume, const std::vector<S
                    f + 1, apart);
         segments.frames[f].plane = static_cast<uint64_t>(plane);
     }
-    volume.size[2] = planes.size();
+    volume.size[2] = static_cast<uint64_t>(steps) + 1;
     volume.known = ORIENTATION | CLOSELY_PACKED | (step > 0 ? SPACING : 0u);
 }
 
@@ -348,6 +354,8 @@ static void add_frame(Segments &segments, const Frame &frame)
 {
     const size_t pixels = segments.plane.size();
     unsigned shift;
+    if (!frame.number && !segments.is_map)
+        return;
     const char *bytes = read_frame(segments, frame.at, shift);
     if (segments.whole.bits == 1) {
         for (size_t at = 0; at < pixels;) {

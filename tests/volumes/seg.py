@@ -142,6 +142,7 @@ def make():
     hurt("far", lambda s: move(s, 1e5 * LPS[:3, :3] @ PLACE[:3, 2]))
     hurt("endless", lambda s: move(s, [1e300, 0, 0]))
     hurt("coded", recode)
+    hurt("lacking", uncode)
     hurt("twice", lambda s: setattr(s.SegmentSequence[1], "SegmentNumber", 1))
     hurt("none", lambda s: delattr(s, "SegmentSequence"))
     hurt("kind", lambda s: setattr(s, "SegmentationType", "OTHER"))
@@ -169,6 +170,15 @@ def recode(seg):
         code("49755003", "SCT", "Morphologically Altered Structure")])
     second.SegmentedPropertyTypeCodeSequence = Sequence([code("M-01000", "SRT", "A|B & C")])
     third.SegmentedPropertyTypeCodeSequence = Sequence([code("1 2", "SCT", "Spleen")])
+
+
+def uncode(seg):
+    """A code without a value, one without a scheme, one with a colon in its value."""
+    first, second, third = (s.SegmentedPropertyTypeCodeSequence[0] for s in seg.SegmentSequence)
+    del first.CodeValue
+    first.LongCodeValue = "http://example.org/liver/of/a/long/name"
+    del second.CodingSchemeDesignator
+    third.CodeValue = "10:2"
 
 
 def hurt(name, change):
