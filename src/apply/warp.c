@@ -7,6 +7,7 @@
 
 #include "base/mem.h"
 #include "engine/distance.h"
+#include "engine/finish.h"
 #include "engine/scene.h"
 #include "image/geometry.h"
 #include "session/tally.h"
@@ -170,30 +171,22 @@ enum err warp_seeds(struct warped *warped, const struct session *session, double
 
 /* Box around a label, warped and in the session. */
 struct extent {
-    uint32_t low[3], high[3];
+    struct finish_box box;
     uint64_t warped;
-    bool is_there;
 };
 
-static void extend(struct extent *box, uint32_t x, uint32_t y, uint32_t z)
-{
-    const uint32_t at[3] = {x, y, z};
-    for (int a = 0; a < 3; a++) {
-        box->low[a] = !box->is_there || at[a] < box->low[a] ? at[a] : box->low[a];
-        box->high[a] = !box->is_there || at[a] > box->high[a] ? at[a] : box->high[a];
-    }
-    box->is_there = true;
-}
-
-static void find_extents(struct extent box[256], const struct warped *warped,
+static void find_extents(struct extent extent[256], const struct warped *warped,
                          const struct scene *scene)
 {
     const uint16_t *from = warped->label;
+    for (unsigned l = 0; l < 256; l++)
+        extent[l] = (struct extent){.box = finish_box_none()};
     for (struct grid_walk w = grid_rows(&scene->grid, NULL, NULL); grid_walk_next(&w);)
         for (uint32_t x = 0; x < scene->grid.size[0]; x++, from++) {
-            extend(&box[scene->cell[w.row.first + x].label], x, w.y, w.z);
-            if (*from < 256 && ++box[*from].warped)
-                extend(&box[*from], x, w.y, w.z);
+            const struct finish_box voxel = {{x, w.y, w.z}, {x, w.y, w.z}};
+            finish_box_include(&extent[scene->cell[w.row.first + x].label].box, &voxel);
+            if (*from < 256 && ++extent[*from].warped)
+                finish_box_include(&extent[*from].box, &voxel);
         }
 }
 
@@ -208,7 +201,7 @@ static uint64_t find_far(double mm3, const struct distance_scale *scale)
 }
 
 /* Count the far voxels of one label, with room for its box. */
-static enum err count_far(uint64_t *far, uint64_t *squared, const struct extent *box,
+static enum err count_far(uint64_t *far, uint64_t *squared, const struct extent *extent,
                           unsigned label, const struct warped *warped,
                           const struct session *session, struct fault *fault)
 {
@@ -216,18 +209,17 @@ static enum err count_far(uint64_t *far, uint64_t *squared, const struct extent 
     const struct grid *grid = &scene->grid;
     const struct distance_scale scale = distance_scale_of(scene->spacing_nm, grid->size);
     const uint64_t most =
-        find_far((double)box->warped * tally_voxel_mm3(&session->geometry), &scale);
-    uint32_t size[3];
-    for (int a = 0; a < 3; a++)
-        size[a] = box->high[a] - box->low[a] + 1;
+        find_far((double)extent->warped * tally_voxel_mm3(&session->geometry), &scale);
+    const uint32_t *low = extent->box.first, *high = extent->box.last;
+    const uint32_t size[3] = {high[0] - low[0] + 1, high[1] - low[1] + 1, high[2] - low[2] + 1};
     for (int pass = 0; pass < 2; pass++) {
         size_t i = 0;
-        for (uint32_t z = box->low[2]; z <= box->high[2]; z++)
-            for (uint32_t y = box->low[1]; y <= box->high[1]; y++) {
+        for (uint32_t z = low[2]; z <= high[2]; z++)
+            for (uint32_t y = low[1]; y <= high[1]; y++) {
                 const uint16_t *from =
                     warped->label + ((size_t)z * grid->size[1] + y) * grid->size[0];
                 const struct cell *cell = scene->cell + grid_row(grid, y, z).first;
-                for (uint32_t x = box->low[0]; x <= box->high[0]; x++, i++)
+                for (uint32_t x = low[0]; x <= high[0]; x++, i++)
                     if (pass == 0)
                         squared[i] = from[x] == label ? 0 : DISTANCE_NONE;
                     else
@@ -242,16 +234,16 @@ static enum err count_far(uint64_t *far, uint64_t *squared, const struct extent 
 enum err warp_count_far(uint64_t far[256], const struct warped *warped,
                         const struct session *session, struct fault *fault)
 {
-    OWNED(mem_release) struct extent *box = mem_new(256 * sizeof *box);
+    OWNED(mem_release) struct extent *extent = mem_new(256 * sizeof *extent);
     OWNED(mem_release)
     uint64_t *squared = mem_array(session->scene->grid.voxels, sizeof *squared);
-    if (!box || !squared)
+    if (!extent || !squared)
         return fault_memory(fault, "the distance of labels");
-    find_extents(box, warped, session->scene);
+    find_extents(extent, warped, session->scene);
     for (unsigned l = 1; l < 256; l++) {
         far[l] = 0;
-        if (box[l].is_there && session->tally.voxels[l])
-            TRY(count_far(&far[l], squared, &box[l], l, warped, session, fault));
+        if (!finish_box_is_empty(&extent[l].box) && session->tally.voxels[l])
+            TRY(count_far(&far[l], squared, &extent[l], l, warped, session, fault));
     }
     return OK;
 }

@@ -769,32 +769,30 @@ static const char *usual_place(const char *below)
     return below ? below : usual && *usual ? usual : "/tmp";
 }
 
-enum err folder_fresh(struct buf *path, const char *below, struct fault *fault)
+/* Make the folder of a name that is fresh by itself, or by XXXXXX at its end. */
+static enum err make_below(struct buf *path, const char *below, bool is_fresh, struct fault *fault)
 {
-    below = usual_place(below);
     buf_clear(path);
-    buf_printf(path, "%s/" FRESH_PREFIX "XXXXXX", below);
+    buf_printf(path, is_fresh ? "%s/" FRESH_PREFIX "XXXXXX" : "%s/", below);
+    if (!is_fresh)
+        write_name(path, "folder");
     if (path->failed)
         return fault_memory(fault, "a path");
-    if (mkdtemp(path->data))
+    if (is_fresh ? mkdtemp(path->data) != NULL : mkdir(path->data, 0700) == 0)
         return OK;
     buf_clear(path);
     return fault_errno(fault, "make a folder below", below);
 }
 
+enum err folder_fresh(struct buf *path, const char *below, struct fault *fault)
+{
+    return make_below(path, usual_place(below), true, fault);
+}
+
 enum err folder_temporary(struct buf *path, const char *below, struct fault *fault)
 {
-    below = usual_place(below);
-    sweep_once(below);
-    buf_clear(path);
-    buf_printf(path, "%s/", below);
-    write_name(path, "folder");
-    if (path->failed)
-        return fault_memory(fault, "a path");
-    if (mkdir(buf_text(path), 0700) == 0)
-        return OK;
-    buf_clear(path);
-    return fault_errno(fault, "make a folder below", below);
+    sweep_once(usual_place(below));
+    return make_below(path, usual_place(below), false, fault);
 }
 
 enum err folder_held(struct buf *path, const char *below, struct fault *fault)

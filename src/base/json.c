@@ -345,16 +345,10 @@ void json_word(struct json *json, const char *key, const char *word)
 
 void json_fixed(struct json *json, const char *key, double value, int decimals)
 {
-    if (isfinite(value))
-        add_word(json, key, "%.*f", decimals, value);
-    else
-        add_word(json, key, "null");
+    add_word(json, key, isfinite(value) ? "%.*f" : "null", decimals, value);
 }
 
 void json_real(struct json *json, const char *key, double value, int digits)
 {
-    if (isfinite(value))
-        add_word(json, key, "%.*g", digits, value);
-    else
-        add_word(json, key, "null");
+    add_word(json, key, isfinite(value) ? "%.*g" : "null", digits, value);
 }

@@ -248,16 +248,25 @@ static enum err receive_note(struct image_helper *helper, struct picture *out, s
                : ERR_IO;
 }
 
-/* Send `request` for a path, and receive the first line of the answer. */
+/* Send `request` for a path, and receive the first line of the answer: this word, and numbers,
+ * the first two a size. */
 static enum err send_request(struct image_helper *helper, const char *request, const char *path,
-                             char line[COPROCESS_LINE], struct fault *fault)
+                             const char *answer, unsigned count, const int64_t *most,
+                             int64_t *number, struct fault *fault)
 {
+    char line[COPROCESS_LINE];
+    const char *at = line;
     TRY(check_request("read", path, NULL, fault));
     TRY(image_helper_start(helper, fault));
     snprintf(line, COPROCESS_LINE, "%s %zu\n", request, strlen(path));
     if (!transmit_texts(&helper->process, line, path, ""))
         return coprocess_fault(&helper->process, "read", path, fault);
-    return coprocess_answer(&helper->process, line, "read", path, fault);
+    TRY(coprocess_answer(&helper->process, line, "read", path, fault));
+    if (scan_text(&at, answer) && coprocess_numbers(at, count, most, number) && number[0] > 0 &&
+        number[1] > 0)
+        return OK;
+    coprocess_odd(&helper->process);
+    return coprocess_fault(&helper->process, "read", path, fault);
 }
 
 /* After the rest of the answer: report trouble of the process, or end it after another error. */
@@ -275,19 +284,10 @@ enum err image_helper_read(struct image_helper *helper, const char *path, struct
                            struct fault *fault)
 {
     static const int64_t most[3] = {PICTURE_SIDE_MOST, PICTURE_SIDE_MOST, NOTES_MOST};
-    char line[COPROCESS_LINE];
-    const char *at = line;
     int64_t number[3];
     *out = (struct picture){0};
-    enum err err = send_request(helper, "read", path, line, fault);
-    if (err)
-        return err;
-    if ((!scan_text(&at, "picture ") || !coprocess_numbers(at, 3, most, number) || number[0] < 1 ||
-         number[1] < 1) &&
-        !coprocess_odd(&helper->process))
-        err = ERR_IO;
-    if (!err)
-        err = picture_init(out, (uint32_t)number[0], (uint32_t)number[1], 0, fault);
+    TRY(send_request(helper, "read", path, "picture ", 3, most, number, fault));
+    enum err err = picture_init(out, (uint32_t)number[0], (uint32_t)number[1], 0, fault);
     for (int64_t i = 0; !err && i < number[2]; i++)
         err = receive_note(helper, out, fault);
     if (!err &&
@@ -305,17 +305,10 @@ enum err image_helper_about(struct image_helper *helper, const char *path, struc
     static const int64_t most[7] = {PICTURE_SIDE_MOST, PICTURE_SIDE_MOST, INT32_MAX, NOTES_MOST,
                                     WORDS_MOST,        WORDS_MOST,        WORDS_MOST};
     char **const word[3] = {&out->format, &out->type, &out->channels};
-    char line[COPROCESS_LINE];
-    const char *at = line;
     int64_t number[7];
     *out = (struct image_facts){0};
-    enum err err = send_request(helper, "about", path, line, fault);
-    if (err)
-        return err;
-    if ((!scan_text(&at, "about ") || !coprocess_numbers(at, 7, most, number) || number[0] < 1 ||
-         number[1] < 1) &&
-        !coprocess_odd(&helper->process))
-        err = ERR_IO;
+    TRY(send_request(helper, "about", path, "about ", 7, most, number, fault));
+    enum err err = OK;
     for (int i = 0; i < 3 && !err; i++) {
         const size_t length = (size_t)number[4 + i];
         *word[i] = calloc(length + 1, 1);

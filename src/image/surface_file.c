@@ -223,6 +223,19 @@ static void write_stl(struct output *out)
     }
 }
 
+/* Write the corners of each triangle, each in `bytes`, after their number in a byte if counted. */
+static void put_triangles(struct output *out, bool counts, unsigned bytes)
+{
+    for (size_t i = 0; i < out->surface->triangles && next_item(out); i++) {
+        uint32_t corner[3];
+        corners_of(corner, out, i);
+        if (counts)
+            put_number(out, 3, 1);
+        for (int k = 0; k < 3; k++)
+            put_number(out, corner[k], bytes);
+    }
+}
+
 /* ---- PLY ---- */
 
 static void write_ply(struct output *out)
@@ -245,13 +258,7 @@ static void write_ply(struct output *out)
             put_point(out, (uint32_t)(s->part[p].point + i));
             buf_add(&out->bytes, out->label[s->part[p].label].rgb, 3);
         }
-    for (size_t i = 0; i < s->triangles && next_item(out); i++) {
-        uint32_t corner[3];
-        corners_of(corner, out, i);
-        put_number(out, 3, 1);
-        for (int k = 0; k < 3; k++)
-            put_number(out, corner[k], 4);
-    }
+    put_triangles(out, true, 4);
 }
 
 /* ---- OBJ ---- */
@@ -348,12 +355,7 @@ static void write_vtp(struct output *out)
     put_of_labels(out, 0);
     put_of_labels(out, label_bytes);
     put_number(out, 24 * s->triangles, 8);
-    for (size_t i = 0; i < s->triangles && next_item(out); i++) {
-        uint32_t corner[3];
-        corners_of(corner, out, i);
-        for (int k = 0; k < 3; k++)
-            put_number(out, corner[k], 8);
-    }
+    put_triangles(out, false, 8);
     put_number(out, 8 * s->triangles, 8);
     for (size_t i = 0; i < s->triangles && next_item(out); i++)
         put_number(out, 3 * (i + 1), 8);
