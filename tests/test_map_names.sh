@@ -73,6 +73,9 @@ table = '<?xml version="1.0" encoding="UTF-8"?><CaretExtension><VolumeInformatio
     label % (300, 1, 0.501961, 0, "kidney &lt;left&gt; \u00e4") + \
     label % (9, 1, 1, 1, "absent") + '</LabelTable></VolumeInformation></CaretExtension>'
 nibabel.save(image(map, table, 30), "in.nii.gz")
+coded = table.replace("><![CDATA[spl", """ Code='SCT:1' Other="x"><![CDATA[spl""")
+coded = coded.replace(">kidney", ' Code="SCT:2\n5 five">kidney')
+nibabel.save(image(map, coded, 30), "coded.nii.gz")
 nibabel.save(image(map, table, 0), "code0.nii")
 # One entity of ten of the one before: the last has a billion characters.
 bomb = "<!DOCTYPE x [<!ENTITY e0 'lol'>" + "".join(
@@ -152,6 +155,18 @@ needs teem-unu && {
     same_files in.voxels out.voxels
 }
 
+begin "a code of a .seg.nrrd is that of its own tag, and may have no meaning"
+# coded TAGS: read the last segment with these tags; the code with which it is saved
+coded() {
+    LC_ALL=C sed "s/^Segment1_Tags:=.*/Segment1_Tags:=$1/" in.seg.nrrd >coded.seg.nrrd
+    expect 0 "$iftty" -c 'open s.nii; labels coded.seg.nrrd; run; save labels out.nii replace=yes'
+    LC_ALL=C sed -n 's/.*Key="300".* Code="\([^"]*\)".*/\1/p' out.nii
+}
+same "$(coded 'TerminologyEntry:L~SCT^1^a~SCT^5^meaning~^^~A~^^~^^|')" SCT:5:meaning
+same "$(coded 'TerminologyEntry:L~SCT^1^a~SCT^5^~^^~A~^^~^^|')" SCT:5
+same "$(coded 'TerminologyEntry:L~SCT^1^a~SCT:5^6^b~^^~A~^^~^^|')" ""
+same "$(coded 'TerminologyEntry:L|Other:x~SCT^1^a~SCT^5^other~^^~A~^^~^^|')" ""
+
 begin "volume= chooses a layer of segments, and a note names the others"
 [ ! -x "$build/iftty-volume" ] || {
     expect 0 "$iftty" -c 'open s.nii; labels layers.seg.nrrd volume=1; run; stats'
@@ -174,6 +189,8 @@ expect 0 "$iftty" -c "open s.nii; labels bare.nii.gz; run; save labels out.nii r
 same "$(/usr/bin/python3 -c 'import nibabel
 h = nibabel.load("out.nii").header
 print(h.get_intent()[0], len(h.extensions))')" "label 0"
+expect 0 "$iftty" -c "open s.nii; labels coded.nii.gz; run; stats"
+out_has '2 names and colours from the file' '1 code from the file'
 expect 0 "$iftty" -c "open s.nii; labels bomb.nii; run; stats"
 out_has 'label 4 &e9;: '
 expect 0 "$iftty" -c "open s.nii; labels out.nii.gz; run; save cost cost.nii"

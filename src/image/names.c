@@ -7,6 +7,14 @@
 #include "base/mem.h"
 #include "base/scan.h"
 
+/* Add a character in quotes; one of `blanks` as a blank. */
+static void add_quoted(struct buf *names, char c, const char *blanks)
+{
+    if (c == '"')
+        buf_add_char(names, '\\');
+    buf_add_char(names, strchr(blanks, c) ? ' ' : c);
+}
+
 void names_add(struct buf *names, uint32_t number, const uint8_t rgb[3], const char *name,
                size_t length, const char *code)
 {
@@ -14,12 +22,12 @@ void names_add(struct buf *names, uint32_t number, const uint8_t rgb[3], const c
     if (rgb)
         buf_printf(names, "%u %u %u 1 1 1 ", rgb[0], rgb[1], rgb[2]);
     buf_add_char(names, '"');
-    for (size_t i = 0; i < length; i++) {
-        if (name[i] == '"')
-            buf_add_char(names, '\\');
-        buf_add_char(names, strchr("\t\n\r", name[i]) ? ' ' : name[i]);
-    }
-    buf_printf(names, *code ? "\t%s\"\n" : "%s\"\n", code);
+    for (size_t i = 0; i < length; i++)
+        add_quoted(names, name[i], "\t\n\r");
+    buf_add_text(names, *code ? "\t" : "");
+    while (*code)
+        add_quoted(names, *code++, "\n\r");
+    buf_add_text(names, "\"\n");
 }
 
 void names_split_code(char part[3][CODE_PART_BYTES], const struct volume_label *label)
@@ -124,8 +132,9 @@ static const char *read_label(struct buf *names, struct buf *name, const char *a
     int64_t number = -1;
     char code[128] = "";
     const char *of = find_attribute(at, close, "Code");
-    for (size_t i = 0; of && of < close && *of != '"' && i < sizeof code - 1; i++)
-        code[i] = *of++;
+    const char quote = of ? of[-1] : 0;
+    for (size_t i = 0; of && of < close && *of != quote && i < sizeof code - 1; i++, of++)
+        code[i] = *of == '\t' ? ' ' : *of;
     for (int k = 0; k < 3; k++) {
         const char *value = find_attribute(at, close, part[k]);
         has_colour = has_colour && value && names_scan_part(&value, &rgb[k]);

@@ -298,18 +298,17 @@ static char *first_bytes(struct volume_source *source, size_t *length)
  * "SCHEME^VALUE^MEANING". */
 static void add_code(struct buf *out, const struct segment *segment, bool has_more)
 {
-    char category[20] = "", part[3][CODE_PART_BYTES];
-    const char *tags = segment->tags ? segment->tags : "";
-    const char *entry = strstr(tags, "TerminologyEntry:"),
-               *after = entry ? strchr(entry, '|') : tags;
-    int end = 0, parts = 0;
-    has_more |= (entry && entry != tags) || (after && strlen(after) > 1);
-    if (entry)
-        parts = sscanf(entry, "%*[^~]~%*[^^]^%16[^^]^%*[^~]~%16[^^]^%16[^^]^%64[^~|]%n", category,
-                       part[0], part[1], part[2], &end);
-    has_more |= entry && (strncmp(entry + end, "~^^~", 4) != 0 || !strstr(entry + end, "~^^~^^"));
-    if (parts == 4)
-        buf_printf(out, "%s:%s:%s", part[0], part[1], part[2]);
+    char category[20] = "", part[3][CODE_PART_BYTES] = {""}, entry[1024];
+    const char *tags = segment->tags ? segment->tags : "", *at = strstr(tags, "TerminologyEntry:");
+    const int length = at ? (int)strcspn(at, "|") : 0;
+    int end = 0;
+    has_more |= (at && at != tags) || strlen(at ? at + length : tags) > 1;
+    snprintf(entry, sizeof entry, "%.*s", length, at ? at : "");
+    sscanf(entry, "%*[^~]~%*[^^]^%16[^^]^%*[^~]~%16[^:^~]^%16[^:^~]^%n%64[^~]%n", category, part[0],
+           part[1], &end, part[2], &end);
+    has_more |= at && (strncmp(entry + end, "~^^~", 4) != 0 || !strstr(entry + end, "~^^~^^"));
+    if (end)
+        buf_printf(out, *part[2] ? "%s:%s:%s" : "%s:%s", part[0], part[1], part[2]);
     buf_printf(out, "\t%s%s", category, has_more ? "\tm" : "");
 }
 
