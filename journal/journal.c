@@ -135,6 +135,13 @@ enum err journal_create(struct journal **out, const char *path, unsigned semanti
     return finish(out, journal, err);
 }
 
+enum err walk_file(struct walk *walk, struct buf *bytes, const char *path, struct fault *fault)
+{
+    *walk = (struct walk){0};
+    TRY(file_read(bytes, path, JOURNAL_BYTES_MAX, fault));
+    return walk_begin(walk, buf_text(bytes), bytes->length, fault);
+}
+
 /* ---- opening an existing journal -------------------------------------------------------------
  * */
 

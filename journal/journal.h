@@ -32,6 +32,9 @@
 
 #define JOURNAL_BYTES_MAX ((size_t)256 << 20)
 
+/* Begin a walk over a file; it uses the bytes, so release both. */
+enum err walk_file(struct walk *walk, struct buf *bytes, const char *path, struct fault *fault);
+
 /* Opaque, because of J1 to J3. Owned by the caller who created or opened it. */
 struct journal;
 

@@ -138,6 +138,12 @@ for way in "" "$PYTHON -I -S $top/tests/volumes/without_landlock.py"; do
     expect 0 $way "$iftty" verify here/c.iftty
     expect 0 $way "$iftty" replay here/c.iftty
 done
+again=$(yes 'channel 3 remove=yes; channel ../there/real.nii;' | head -16)
+cp there/flair.nii there/late.nii # after more records than files that a replay may read
+expect_in here 0 "$iftty" -c "open case_0000.nii; channel ../there/flair.nii
+    channel ../there/real.nii; $again; channel ../there/late.nii" --journal many.iftty
+expect 0 "$iftty" verify here/many.iftty
+rm there/late.nii
 mv there away
 expect_out "there is no file flair.nii next to the journal or among the scenes" 3 \
     "$iftty" verify here/c.iftty
@@ -218,6 +224,16 @@ for program in "" serve; do
 done
 rm -f files.iftty
 expect 3 "$iftty" case_0000.nii small.nii --journal files.iftty </dev/null
+cp case_0000.nii here/whole
+cp case_0001.nii here/3 # names without a dot: no program, and no channel 3
+for program in "" serve; do
+    rm -f here/files.iftty
+    expect_in here 0 "$iftty" $program whole 3 --journal files.iftty </dev/null
+    same "$(grep -c sha256 here/files.iftty)" 2
+    expect 0 "$iftty" verify here/files.iftty
+done
+expect 2 "$iftty" serv here/whole
+err_has "serv is no program, and no file or folder here; did you mean serve?"
 expect 2 "$iftty" j.iftty case_0001.nii </dev/null
 err_has "j.iftty is a journal; expected no other file"
 expect 2 "$iftty" -c "open case_0000.nii case_0001.nii"

@@ -839,9 +839,19 @@ STORY(commands_are_the_same_wherever_their_file_is_seen_from)
         CHECK(command_is_same(pair[i].b, pair[i].a) == pair[i].are_same);
     }
     OWNED(buf_release) struct buf name = {0};
-    CHECK(command_opens(&name, "open volume=2 \"a b.nii\" reduce=2"));
+    bool is_scene;
+    CHECK(command_opens(&name, &is_scene, "open volume=2 \"a b.nii\" series=2") && is_scene);
     CHECK_TEXT(buf_text(&name), "a b.nii");
-    CHECK(!command_opens(&name, "mask a.nii") && !command_opens(&name, "open volume=2"));
+    CHECK(command_opens(&name, &is_scene, "channel a.nii name=b") && !is_scene);
+    static const char *const others[] = {"mask a.nii",
+                                         "open volume=2",
+                                         "open a.nii reduce=2",
+                                         "open a.nii crop=1-2,1-2,1-2",
+                                         "open raw:a size=2,2,2",
+                                         "channel a.nii resample=nearest",
+                                         "channel a.h5 data=/b"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        CHECK(!command_opens(&name, &is_scene, others[i]));
 }
 
 /* Create files with names of all kinds in a folder, and change to it. */

@@ -435,15 +435,6 @@ static enum err refuse_journal(const struct making *m)
         buf_text(&m->subject->journal));
 }
 
-/* The walk uses the bytes; release both. */
-static enum err walk_file(struct walk *walk, struct buf *bytes, const char *path,
-                          struct fault *fault)
-{
-    *walk = (struct walk){0};
-    TRY(file_read(bytes, path, JOURNAL_BYTES_MAX, fault));
-    return walk_begin(walk, buf_text(bytes), bytes->length, fault);
-}
-
 /* Parse the twelve numbers of an origin. */
 static bool read_pull(struct affine *pull, const char *command)
 {

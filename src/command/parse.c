@@ -674,10 +674,13 @@ struct label_set call_takes(const struct call *call)
 
 /* ---- comparing lines ---- */
 
-bool command_opens(struct buf *name, const char *line)
+bool command_opens(struct buf *name, bool *is_scene, const char *line)
 {
+    static const char *const part[2][3] = {{" data=", " resample=", " crop="},
+                                           {" crop=", " reduce=", " size="}};
     static const struct value none[PARAMETERS_MOST];
     const struct command *command = NULL;
+    const char *const whole = line;
     bool found = false;
     for (scan_blanks(&line); *line && !found; scan_blanks(&line)) {
         buf_clear(name);
@@ -690,6 +693,9 @@ bool command_opens(struct buf *name, const char *line)
                  !(command->parameter->is_scene || command->parameter->is_channel))
             return false;
     }
+    *is_scene = command && command->parameter->is_scene;
+    for (int i = 0; found && i < 3; i++)
+        found = !strstr(whole, part[*is_scene][i]);
     return found;
 }
 

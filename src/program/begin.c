@@ -115,6 +115,14 @@ struct volume_choice begin_volume(const struct options *o, size_t which)
     return choice;
 }
 
+void begin_opening(struct buf *line, const char *file, bool is_channel)
+{
+    const bool is_number = is_channel && !file[strspn(file, "0123456789")];
+    buf_clear(line);
+    buf_add_text(line, is_number ? "channel ./" : is_channel ? "channel " : "open ");
+    command_write_word(line, file);
+}
+
 void begin_journal_name(struct buf *journal, const char *first)
 {
     const char *name = first ? file_name(first) : "session";
@@ -152,30 +160,43 @@ static void linked_release(struct linked *linked)
         free(linked->path[--linked->count]);
 }
 
-static void add_path(struct linked *linked, const char *path)
+/* Add a path, unless it is known, empty or NULL. */
+static enum err add_path(struct linked *linked, const char *path, struct fault *fault)
 {
-    linked->path[linked->count] = path && *path ? strdup(path) : NULL;
-    linked->count += linked->path[linked->count] != NULL;
+    bool is_known = !path || !*path;
+    for (size_t i = 0; !is_known && i < linked->count; i++)
+        is_known = strcmp(linked->path[i], path) == 0;
+    if (is_known)
+        return OK;
+    linked->path[linked->count] = strdup(path);
+    if (!linked->path[linked->count])
+        return fault_memory(fault, "a path");
+    linked->count++;
+    return OK;
 }
 
-/* Find the files outside the journal's folder that `open` and `channel` read, if their proof is
- * recorded. An unreadable journal is left to the replay. */
-static void find_outside(struct linked *found, const char *journal)
+/* Find the files outside the journal's folder that T1 (command/trust.h) reads by the proof in a
+ * record. An unreadable journal is left to the replay. */
+static enum err find_outside(struct linked *found, const struct options *o, const char *journal,
+                             struct fault *fault)
 {
     OWNED(buf_release) struct buf bytes = {0}, name = {0}, path = {0};
     OWNED(walk_release) struct walk walk = {0};
     struct record record;
     struct record_word word;
-    if (!file_exists(journal) || file_read(&bytes, journal, JOURNAL_BYTES_MAX, NULL) != OK ||
-        walk_begin(&walk, buf_text(&bytes), bytes.length, NULL) != OK)
-        return;
+    bool is_scene;
+    if (!file_exists(journal) || walk_file(&walk, &bytes, journal, NULL) != OK)
+        return OK;
     while (found->count < OUTSIDE_MOST && walk_next(&walk, &record) == WALK_RECORD) {
         buf_clear(&path);
-        if (command_opens(&name, record.command) &&
+        if (command_opens(&name, &is_scene, record.command) && !(is_scene && o->scene) &&
             record_word_find(record.result, "sha256", strlen("sha256"), &word) &&
             trust_find_outside(&path, journal, interpreter_scenes(), buf_text(&name)))
-            add_path(found, buf_text(&path));
+            TRY(add_path(found, buf_text(&path), fault));
+        if (name.failed || path.failed)
+            return fault_memory(fault, "a path");
     }
+    return OK;
 }
 
 /* Look only at files that the journal's records name. An unreadable journal is left to the
@@ -211,10 +232,10 @@ enum err begin_confined(const struct options *o, const char *journal, const char
     TRY(coprocess_find(&images, IMAGE_HELPER, fault));
     TRY(coprocess_find(&volumes, VOLUME_HELPER, fault));
     TRY(golden_folder(&goldens, journal, fault));
-    find_outside(&given, journal);
-    add_path(&given, o->scene);
+    TRY(find_outside(&given, o, journal, fault));
+    TRY(add_path(&given, o->scene, fault));
     for (unsigned i = 0; i < CHANNELS_MOST; i++)
-        add_path(&given, o->channel[i]);
+        TRY(add_path(&given, o->channel[i], fault));
     find_linked(&linked, journal);
     char *path = (char *)(uintptr_t)journal;
     const char *const folders[] = {written, NULL};

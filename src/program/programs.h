@@ -43,6 +43,9 @@ enum err begin_check_channels(const struct options *o, bool resumes, struct faul
 /* The volume that --volume selects for a file of the command line, by its number from 0. */
 struct volume_choice begin_volume(const struct options *o, size_t which);
 
+/* Write the command that opens a scene, or adds a channel; a file "3" is ./3, not channel 3. */
+void begin_opening(struct buf *line, const char *file, bool is_channel);
+
 /* Choose NAME-N.iftty, with the first free N: the journal of a session that begins with `first`, or
  * NULL, without --journal. */
 void begin_journal_name(struct buf *journal, const char *first);

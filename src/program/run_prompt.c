@@ -389,9 +389,7 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
     prompt->is_empty = !prompt->first;
     if (prompt->first) {
         for (int i = 0; i <= prompt->channels; i++) {
-            buf_clear(&line);
-            buf_add_text(&line, i ? "channel " : "open ");
-            command_write_word(&line, i ? prompt->channel[i - 1] : prompt->first);
+            begin_opening(&line, i ? prompt->channel[i - 1] : prompt->first, i > 0);
             TRY(execute_line(prompt, buf_text(&line), output, fault));
         }
         TRY(execute_line(prompt, "auto on", output, fault));

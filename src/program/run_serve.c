@@ -228,9 +228,7 @@ static enum err begin_session(struct server *s, const struct options *o, struct 
     if (!err && journal)
         err = interpreter_resume_journal(&s->interp, journal, told, fault);
     for (int i = 0; !err && i < o->words && !resumes; i++) {
-        buf_clear(&line);
-        buf_add_text(&line, i ? "channel " : "open ");
-        command_write_word(&line, o->word[i]);
+        begin_opening(&line, o->word[i], i > 0);
         err = interpreter_execute(&s->interp, buf_text(&line), &s->reply, fault);
         buf_add_text(told, buf_text(err ? &s->reply.list : &s->reply.text));
     }

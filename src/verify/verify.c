@@ -158,8 +158,7 @@ static enum err judge_expected(const struct verify_options *options,
     struct record record;
     if (!options->expect)
         return OK;
-    TRY(file_read(&bytes, result->path, JOURNAL_BYTES_MAX, fault));
-    TRY(walk_begin(&walk, buf_text(&bytes), bytes.length, fault));
+    TRY(walk_file(&walk, &bytes, result->path, fault));
     while (walk_next(&walk, &record) == WALK_RECORD)
         continue;
     const char *chain = walk.chain.hex;
