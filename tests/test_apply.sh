@@ -7,7 +7,7 @@ phantom="$PYTHON $top/tests/apply/phantom.py"
 $phantom scenes plain moved mirrored coarse oblique other far
 seeds='seed 28,28,24 1 radius=5; seed 48,33,24 2 radius=2; seed 5,5,5 0 radius=2'
 marks='landmark A 28,28,24; landmark B 48,33,24; landmark C 28,42,30; landmark D 20,28,38'
-names="label 1 large #ff0000; label 2 'the small one'; label 0 air"
+names="label 1 large #ff0000 code=SCT:5:large; label 2 'the small one'; label 0 air"
 expect 0 "$iftty" -c "open plain.nii; $names; $marks; $seeds; box 0,0,0 63,55,1 0; run" \
     --journal p.iftty
 # apply SCENE...: into $work/o, which is new
@@ -59,6 +59,7 @@ for where in plain moved mirrored coarse oblique; do
     apply $where.nii --by world
     expect 0 $phantom check o/$where.seeds.nii.gz $where 7 2.2
     expect 0 "$iftty" verify o/$where.iftty
+    grep -qx 'label 1 large #ff0000 code=SCT:5:large' o/$where.iftty || fail "it has no code"
 done
 
 begin "parts that belong to the expert's scene are not carried over, and each is named"

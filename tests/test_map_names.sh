@@ -219,6 +219,12 @@ same_files want dseg.tsv
 out_has '2 names had to be changed to fit; the first is of label 4, in the file my_own'
 expect 0 "$iftty" -c 'open s.nii; labels bare.nii.gz; label-file dseg.tsv; run; stats'
 out_has '2 names and 2 colours of labels' 'label 4 my own: '
+for file in c.mgz c.mha c.txt; do
+    what=labels
+    [ $file = c.txt ] && what=names
+    expect 0 "$iftty" -c "open s.nii; label 4 a code=SCT:1; seed 2,2,2 4; run; save $what $file"
+    out_has '1 code not written: .seg.nrrd, .nii.gz and .dcm hold them'
+done
 
 begin "labels without voxels keep their names; those of kept regions are counted"
 expect 0 "$iftty" -c 'open s.nii; labels code0.nii regions=4,9 as=4,9; run; save labels few.nii.gz'

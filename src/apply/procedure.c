@@ -230,6 +230,7 @@ static enum err take_labels(struct procedure *p, const struct session *session, 
         to->high = found->high[l];
         to->number = kept->label_number[l];
         memcpy(to->name, kept->label_name[l], sizeof to->name);
+        memcpy(to->code, kept->label_code[l], sizeof to->code);
         memcpy(to->rgb, kept->palette.rgb[l], sizeof to->rgb);
     }
     return OK;
@@ -444,7 +445,7 @@ void procedure_write(struct buf *out, const struct procedure *p)
         buf_printf(out, "label %u #%02x%02x%02x %u", label, l->rgb[0], l->rgb[1], l->rgb[2],
                    l->number);
         write_reals(out, (const double[]){l->low, l->high}, 2);
-        buf_printf(out, " %s\n", l->name);
+        buf_printf(out, *l->code ? " %s\ncode %s\n" : " %s\n", l->name, l->code);
     }
     for (size_t i = 0; i < p->landmarks; i++) {
         buf_printf(out, "landmark %s", p->landmark[i].name);
@@ -537,8 +538,8 @@ static bool take_number(struct reader *r, int64_t least, int64_t most, int64_t *
     return scan_text(&r->at, " ") && scan_integer(&r->at, least, most, out);
 }
 
-/* Read a name up to a character of `until`; it may be empty. */
-static bool take_name(struct reader *r, char *out, size_t room, const char *until)
+/* Read a text up to a character of `until`; it may be empty. */
+static bool take_text(struct reader *r, char *out, size_t room, const char *until)
 {
     const size_t n = scan_text(&r->at, " ") ? strcspn(r->at, until) : room;
     if (n >= room)
@@ -546,7 +547,12 @@ static bool take_name(struct reader *r, char *out, size_t room, const char *unti
     memcpy(out, r->at, n);
     memset(out + n, 0, room - n);
     r->at += n;
-    return *safe_end(out) == '\0' && !strpbrk(out, "=\"\\");
+    return *safe_end(out) == '\0';
+}
+
+static bool take_name(struct reader *r, char *out, size_t room, const char *until)
+{
+    return take_text(r, out, room, until) && !strpbrk(out, "=\"\\");
 }
 
 static enum err read_head(struct reader *r, struct procedure *p)
@@ -607,6 +613,9 @@ static enum err read_labels(struct reader *r, struct procedure *p)
             !take_real(r, &l->high) || l->low > l->high ||
             !take_name(r, l->name, sizeof l->name, "\n") || !ends_line(r))
             return refuse_line(r, "label N #rrggbb NUMBER LOW HIGH NAME");
+        if (begins(r, "code") &&
+            !(label && take_text(r, l->code, sizeof l->code, "\n") && *l->code && ends_line(r)))
+            return refuse_line(r, "code SCHEME:VALUE or SCHEME:VALUE:MEANING");
         for (int k = 0; k < 3; k++)
             l->rgb[k] = (uint8_t)(colour >> (16 - 8 * k));
         l->number = (uint32_t)number;

@@ -19,6 +19,7 @@
  *     setting weight gauss 1.5          a command each
  *     label 2 #56b4e9 0 40.5 90 cerebellum    index, colour, number (0: the index), percentiles 10
  *                                       and 90, name
+ *     code SCT:113305005                of the label before
  *     landmark AC 0.5 3 -4              millimetres of the world
  *     gesture 2 3 0 75 X Y Z ...        label, radius and reach in mm (0: none; -1: exact),
  *                                       intensity, over=LABELS unless all, corners
@@ -27,9 +28,8 @@
  *     digest SHA256                     of all bytes before this line
  *
  * Gestures and voxels have the indices of labels. Lines have this order; those from `setting` to
- * `gesture` may be repeated or missing, and `left`
- * is missing if nothing is left out. Intensities are real values. Numbers have 17 digits, enough to
- * be read back exactly.
+ * `gesture` may be repeated or missing, and `left` is missing if nothing is left out. Intensities
+ * are real values. Numbers have 17 digits, enough to be read back exactly.
  */
 #ifndef APPLY_PROCEDURE_H
 #define APPLY_PROCEDURE_H
@@ -58,6 +58,7 @@ enum {
 struct procedure_label {
     bool is_there; /* it has voxels or a number */
     char name[PROCEDURE_NAME];
+    char code[LABEL_CODE_BYTES];
     uint8_t rgb[3];
     uint32_t number;  /* 0: the index */
     uint64_t voxels;  /* counted from the labels */

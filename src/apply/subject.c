@@ -134,6 +134,9 @@ static enum err name_label(struct making *m, unsigned l)
         buf_printf(&line, "label-%u", m->number[l]);
     if (l)
         buf_printf(&line, " #%02x%02x%02x", label->rgb[0], label->rgb[1], label->rgb[2]);
+    buf_add_text(&line, *label->code ? " code=" : "");
+    if (*label->code)
+        command_write_word(&line, label->code);
     return execute_buf(m, &line);
 }
 
@@ -156,8 +159,8 @@ static enum err number_labels(struct making *m)
 static enum err name_labels(struct making *m)
 {
     for (unsigned l = 0; l < 256; l++)
-        if (*m->procedure->label[l].name && m->procedure->label[l].is_there &&
-            !m->procedure->label[l].number)
+        if ((*m->procedure->label[l].name || *m->procedure->label[l].code) &&
+            m->procedure->label[l].is_there && !m->procedure->label[l].number)
             TRY(name_label(m, l));
     return OK;
 }

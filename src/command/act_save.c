@@ -339,6 +339,18 @@ static enum err save_seeds(const struct act *act, const char *path, enum file_mo
     return file_write(path, text->data, text->length, how, act->fault);
 }
 
+/* Note the codes of these labels, in a file that holds none. */
+static void warn_of_codes(const struct act *act, const bool has[256])
+{
+    unsigned codes = 0;
+    for (unsigned l = 1; l < 256; l++)
+        codes += *act->session->now.kept.label_code[l] && has[l];
+    if (codes)
+        buf_printf(&act->reply->text,
+                   "%u code%s not written: .seg.nrrd, .nii.gz and .dcm hold them\n", codes,
+                   plural(codes));
+}
+
 static enum err save_names(const struct act *act, const char *path, enum file_mode how)
 {
     enum label_table_format format;
@@ -362,6 +374,7 @@ static enum err save_names(const struct act *act, const char *path, enum file_mo
         used[l] = act->session->tally.voxels[l] > 0 || *kept->label_name[l];
     label_table_write(text, &writing, format, &act->session->now.kept, used);
     TRY(file_write(path, text->data, text->length, how, act->fault));
+    warn_of_codes(act, used);
     if (!writing.changed)
         return OK;
     struct buf *out = &act->reply->text;
@@ -455,6 +468,9 @@ static void warn_of_contents(const struct act *act, const char *path,
                    "%u name%s and colours not written: %s holds none; `save names FILE` writes "
                    "them, and .seg.nrrd, .nii.gz and .mgz hold them\n",
                    names, plural(names), volume_ending(path));
+    if (what == MAP_LABELS &&
+        (!volume_holds_names(path) || file_is_named(path, ".mgh|.mgz|.mgh.gz")))
+        warn_of_codes(act, coverage->has);
     if (volume_ending(path) && !geometry_has_place(&session->geometry))
         buf_add_text(out, "its position is as unknown as that of the scene's file\n");
     if ((what == MAP_LABELS || what == SAVE_SURFACE) && !act_has(act, "finished") && !finished &&
