@@ -203,9 +203,7 @@ STORY(what_is_refused_says_what_to_type)
     is_refused("diff a", "expected `iftty diff A B`, and there is 1 operand");
     is_refused("verify --accept why a b",
                "expected `iftty verify --accept WHY JOURNAL`, and there are 2 operands");
-    is_refused(
-        "verfy a",
-        "expected `iftty [SCENE...|JOURNAL]`, and there are 2 operands; did you mean verify?");
+    is_refused("verfy a", "verfy is no program, and no file or folder here; did you mean verify?");
 }
 
 /* ---- help ---- */

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/mem.h"
 #include "base/scan.h"
 
@@ -330,12 +331,16 @@ static enum err check_operands(const struct program_table *table, const struct o
 {
     const struct program *p = o->program;
     OWNED(buf_release) struct buf usage = {0};
-    const bool names_file = p->name || o->words < 2 || strpbrk(o->word[0], "./:");
+    const bool names_file =
+        p->name || o->words < 2 || strpbrk(o->word[0], "./:") || file_exists(o->word[0]);
     if (o->words >= p->least && o->words <= p->most && names_file)
         return OK;
     program_add_usage(&usage, table, p);
-    fault_set(fault, ERR_USAGE, "expected `%s`, and there %s %d operand%s", buf_text(&usage),
-              o->words == 1 ? "is" : "are", o->words, plural((uint64_t)o->words));
+    if (names_file)
+        fault_set(fault, ERR_USAGE, "expected `%s`, and there %s %d operand%s", buf_text(&usage),
+                  o->words == 1 ? "is" : "are", o->words, plural((uint64_t)o->words));
+    else
+        fault_set(fault, ERR_USAGE, "%s is no program, and no file or folder here", o->word[0]);
     if (p->name || o->words == 0)
         return ERR_USAGE;
     struct near near = near_to(o->word[0]); /* it may be a misspelt program */

@@ -34,10 +34,9 @@
  * into a struct. Help, messages and the programs' own lists of options are made from it.
  *
  * Options may be anywhere among the operands; "--" ends them. An option is given once at most,
- * unless option_read_next reads it, and
- * `--name=value` is the same as `--name value`; -V is --version. Two rows may share a name if it
- * has two meanings for two programs. Then both have a value, or neither: a command line is split
- * before its program is known.
+ * unless option_read_next reads it. `--name=value` is the same as `--name value`; -V is --version.
+ * Two rows may share a name if it has two meanings for two programs. Then both have a value, or
+ * neither: a command line is split before its program is known.
  */
 
 struct option {
