@@ -331,16 +331,8 @@ static inline void kitty_draw(const struct kitty_view *view, const struct kitty_
             const uint32_t from_x = p->left + (2 * x + 1) * p->width / (2 * width);
             const uint32_t from_y = p->top + (2 * y + 1) * p->height / (2 * height);
             const uint32_t colour = png->pixel[(size_t)from_y * png->width + from_x];
-            uint32_t *pixel = &view->pixel[(size_t)(top + y) * view->width + left + x];
-            const uint32_t alpha = colour >> 24 ? colour >> 24 : 255, under = *pixel;
-            if (colour == PNG_CLEAR)
-                continue;
-            *pixel = 0;
-            for (unsigned bit = 0; bit < 24; bit += 8)
-                *pixel |=
-                    ((colour >> bit & 255) * alpha + (under >> bit & 255) * (255 - alpha) + 127) /
-                        255
-                    << bit;
+            if (colour != PNG_CLEAR)
+                view->pixel[(size_t)(top + y) * view->width + left + x] = colour;
         }
 }
 

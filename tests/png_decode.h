@@ -18,10 +18,8 @@
 struct decoded_png {
     uint32_t width, height;
     unsigned bits, colours; /* 0 colours: no palette */
-    unsigned veils;         /* colours of the palette that are not opaque, its first */
-    uint8_t alpha[8];       /* their alpha */
-    /* [height][width] 0xRRGGBB, or PNG_CLEAR; under a veil 0xAARRGGBB; for the caller to free */
-    uint32_t *pixel;
+    bool has_clear;         /* the palette's first */
+    uint32_t *pixel;        /* [height][width] 0xRRGGBB, or PNG_CLEAR; for the caller to free */
 };
 
 static inline int base64_value(char c)
@@ -81,22 +79,16 @@ static inline bool png_unpack(struct decoded_png *png, const uint8_t *packed, si
         fine = png_unfilter(line, row, y > 0 ? line - row : NULL, png->colours ? 1 : 3);
         for (uint32_t x = 0; fine && x < png->width; x++) {
             const uint8_t *c = line + 1 + 3 * x;
-            unsigned alpha = 0;
             if (png->colours) {
                 unsigned bit = x * png->bits;
                 unsigned byte = line[1 + bit / 8];
                 unsigned i = byte >> (8 - png->bits - bit % 8) & ((1u << png->bits) - 1);
                 fine = i < png->colours;
                 c = palette + 3 * i;
-                alpha = i < png->veils ? png->alpha[i] : 0;
-                fine &= i >= png->veils || alpha < 255;
-                if (i < png->veils && alpha == 0) {
-                    png->pixel[(size_t)y * png->width + x] = PNG_CLEAR;
-                    continue;
-                }
             }
             png->pixel[(size_t)y * png->width + x] =
-                (uint32_t)alpha << 24 | (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
+                png->has_clear && c == palette ? PNG_CLEAR
+                                               : (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2];
         }
     }
     free(raw);
@@ -123,10 +115,9 @@ static inline bool png_decode(struct decoded_png *png, const uint8_t *p, size_t 
             memcpy(palette, p + 8, n);
             png->colours = n / 3;
         } else if (memcmp(p + 4, "tRNS", 4) == 0) {
-            png->veils = n;
-            if (png->colours < n || n > sizeof png->alpha)
+            png->has_clear = png->colours > 0 && n == 1 && p[8] == 0;
+            if (!png->has_clear)
                 return false;
-            memcpy(png->alpha, p + 8, n);
         } else if (memcmp(p + 4, "IDAT", 4) == 0) {
             fine = !png->pixel && png_unpack(png, p + 8, n, palette);
         } else if (memcmp(p + 4, "IEND", 4) == 0) {

@@ -820,61 +820,6 @@ static unsigned hear_replies(void)
     return lost;
 }
 
-/* Lay a third of a hue, or two thirds of the cross-hair's colour, over the box. */
-static void lay_over(const struct image_view *view, struct raster_box box, uint32_t colour,
-                     unsigned share)
-{
-    for (uint32_t y = box.top; y < box.top + box.height; y++)
-        for (uint32_t x = box.left; x < box.left + box.width; x++)
-            for (unsigned k = 0; k < 3; k++) {
-                uint8_t *pixel = pixels + 4 * ((size_t)y * view->width + x) + k;
-                const uint32_t over = colour >> (16 - 8 * k) & 255;
-                *pixel = (uint8_t)((*pixel * (3 - share) + over * share + 1) / 3);
-            }
-}
-
-/* Pixels on the screen are rounded greys under veils. */
-static int64_t wrong_veiled(const struct image_view *view, struct raster_box box)
-{
-    const uint32_t *seen = seen_pixels();
-    int64_t wrong = 0;
-    for (uint32_t y = box.top; y < box.top + box.height; y++)
-        for (uint32_t x = box.left; x < box.left + box.width; x++)
-            wrong += channel_distance(seen[(size_t)(16 + y) * SIDE_MOST + 8 + x],
-                                      image_view_colour(view, (size_t)y * view->width + x)) > 4;
-    return wrong;
-}
-
-STORY(tints_and_hairlines_let_the_slice_below_show_through)
-{
-    static const struct raster_box boxes[SLICES] = {
-        {0, 0, 150, 160}, {152, 0, 148, 160}, {3, 165, 150, 150}};
-    static const struct raster_box tint = {20, 30, 100, 90}, line = {0, 70, 150, 1};
-    begin_painter(&graphics_kitty, 8, 16, 1, 1, 40, 20);
-    uint64_t seed = 22;
-    uint32_t kind[SLICES] = {0, 1, 2};
-    struct image_view view = filled(320, 320, &seed);
-    lay_slices(&view, boxes, kind, 0, &seed);
-    view.is_slow = true;
-    show_kept_right(&view);
-    lay_over(&view, tint, hues[1], 1);
-    lay_over(&view, line, SHADES_CROSS, 2);
-    const size_t bytes = show_kept(&view, SIZE_MAX);
-    CHECK_WITH(bytes < 1200, "%zu bytes", bytes);
-    CHECK_INT(wrong_veiled(&view, (struct raster_box){20, 30, 100, 40}), 0);
-    CHECK_INT(wrong_veiled(&view, (struct raster_box){0, 70, 20, 1}), 0);
-    /* Another slice below leaves them as they are. */
-    kind[0] = 3;
-    lay_slices(&view, boxes, kind, 0, &seed);
-    lay_over(&view, tint, hues[1], 1);
-    lay_over(&view, line, SHADES_CROSS, 2);
-    OWNED(buf_release) struct buf greys = {0}, out = {0};
-    painter_keep(&painter, &view, SIZE_MAX, &greys);
-    CHECK(painter_show(&painter, &view, &out) && screen_feed(&greys) && screen_feed(&out));
-    CHECK_WITH(out.length < 700, "%zu bytes", out.length);
-    CHECK_INT(wrong_veiled(&view, (struct raster_box){20, 30, 100, 40}), 0);
-}
-
 STORY(slices_go_once_and_are_placed_again)
 {
     static const struct raster_box boxes[SLICES] = {
@@ -893,6 +838,12 @@ STORY(slices_go_once_and_are_placed_again)
     lay_slices(&view, boxes, kind, 0, &seed);
     const size_t again = show_kept_right(&view); /* the greys are there */
     CHECK(again < 300 && again * 20 < first);
+    /* A tint over a slice is opaque, since terminals blend in different ways. */
+    for (size_t i = 0; i < 3 * 40; i++) {
+        uint8_t *channel = pixels + 4 * (70 * 320 + 20 + i / 3) + i % 3;
+        *channel = (uint8_t)((2 * *channel + (hues[1] >> (16 - 8 * (i % 3)) & 255) + 1) / 3);
+    }
+    show_kept_right(&view);
     OWNED(buf_release) struct buf out = {0};
     painter_remove(&painter, &out);
     CHECK(screen_feed(&out));

@@ -125,7 +125,7 @@ struct raster raster_part(const struct raster *raster, struct raster_box box)
 }
 
 unsigned raster_used(const struct raster *raster, uint8_t place[RASTER_COLOURS_MOST],
-                     uint32_t used[RASTER_COLOURS_MOST], unsigned *veils)
+                     uint32_t used[RASTER_COLOURS_MOST], bool *is_clear)
 {
     bool occurs[RASTER_COLOURS_MOST] = {false};
     unsigned count = 0;
@@ -147,13 +147,10 @@ unsigned raster_used(const struct raster *raster, uint8_t place[RASTER_COLOURS_M
             occurs[row[x]] = true;
     }
     memset(place, 0, RASTER_COLOURS_MOST);
-    for (unsigned v = 0; v < raster->veils; v++)
-        if (occurs[RASTER_CLEAR - v]) {
-            place[RASTER_CLEAR - v] = (uint8_t)count;
-            used[count++] = raster->veil[v];
-        }
-    if (veils)
-        *veils = count;
+    if (is_clear)
+        *is_clear = raster->has_clear && occurs[RASTER_CLEAR];
+    if (raster->has_clear && occurs[RASTER_CLEAR])
+        used[count++] = 0;
     for (unsigned p = 0; p < raster->colours; p++)
         if (occurs[p]) {
             place[p] = (uint8_t)count;

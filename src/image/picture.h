@@ -101,9 +101,7 @@ struct raster {
     const uint32_t *colour; /* [colours] 0xRRGGBB; NULL without a palette */
     unsigned colours;
     bool has_alpha; /* without a palette alone */
-    const uint32_t
-        *veil;      /* [veils] with a palette alone: colours 0xAARRGGBB that are transparent, */
-    unsigned veils; /* which have the indices RASTER_CLEAR, RASTER_CLEAR - 1 .. */
+    bool has_clear; /* with a palette alone: RASTER_CLEAR is an index too, of transparent pixels */
 };
 
 enum { RASTER_CLEAR = 255 }; /* a palette that uses it has fewer colours than that */
@@ -128,9 +126,9 @@ struct raster_note {
 struct raster raster_part(const struct raster *raster, struct raster_box box);
 
 /* Collect the colours that occur, numbered from 0 in the palette's order: place[p] is the new index
- * of index p, and used[] the new palette. Veils that occur come first; *veils is their number, and
- * may be NULL. Returns the number of colours. */
+ * of index p, and used[] the new palette. The transparent index comes first, as black; *is_clear,
+ * which may be NULL, says whether it occurs. Returns the number of colours. */
 unsigned raster_used(const struct raster *raster, uint8_t place[RASTER_COLOURS_MOST],
-                     uint32_t used[RASTER_COLOURS_MOST], unsigned *veils);
+                     uint32_t used[RASTER_COLOURS_MOST], bool *is_clear);
 
 #endif

@@ -324,23 +324,6 @@ static void filter_rows(uint8_t *raw, size_t row_bytes, uint32_t rows, size_t ea
     }
 }
 
-/* Reserve memory for the rows, plain and deflated; returns their bytes, 0 without memory. */
-static size_t prepare(struct png_writer *w, enum png_effort effort, size_t row_bytes, size_t rows)
-{
-    size_t raw_length;
-    static const int level[PNG_EFFORTS] = {
-        [PNG_FAST] = 1, [PNG_SMALL] = 10, [PNG_FILE] = 6, [PNG_SLOW_LINE] = 6};
-    if (!size_multiply(row_bytes, rows, &raw_length) || raw_length > UINT32_MAX / 2)
-        return 0;
-    if (!w->compressor[effort])
-        w->compressor[effort] = libdeflate_alloc_compressor(level[effort]);
-    if (!w->compressor[effort] || !mem_grow(&w->raw, &w->raw_capacity, raw_length, 1) ||
-        !mem_grow(&w->packed, &w->packed_capacity,
-                  2 * libdeflate_zlib_compress_bound(w->compressor[effort], raw_length), 1))
-        return 0;
-    return raw_length;
-}
-
 /* Deflate into one half of the memory or the other. */
 static size_t deflate_rows(struct png_writer *w, enum png_effort effort, size_t raw_length,
                            unsigned half)
@@ -353,19 +336,26 @@ static size_t deflate_rows(struct png_writer *w, enum png_effort effort, size_t 
 void png_add(struct png_writer *w, const struct raster *raster, enum png_effort effort,
              struct buf *png)
 {
+    static const int level[PNG_EFFORTS] = {
+        [PNG_FAST] = 1, [PNG_SMALL] = 10, [PNG_FILE] = 6, [PNG_SLOW_LINE] = 6};
     uint8_t place[RASTER_COLOURS_MOST];
     uint32_t used[RASTER_COLOURS_MOST];
-    uint8_t alpha[RASTER_COLOURS_MOST];
-    unsigned veils = 0;
-    const unsigned colours = raster->colour ? raster_used(raster, place, used, &veils) : 0;
+    bool is_clear = false;
+    const unsigned colours = raster->colour ? raster_used(raster, place, used, &is_clear) : 0;
     const unsigned bits = !raster->colour || colours > 16 ? 8
                           : colours > 4                   ? 4
                           : colours > 2                   ? 2
                                                           : 1;
     const size_t row_bytes = raster->colour ? ((size_t)raster->width * bits + 7) / 8
                                             : raster->width * raster_pixel_bytes(raster);
-    const size_t raw_length = prepare(w, effort, row_bytes + 1, raster->height);
-    if (raw_length == 0) {
+    struct libdeflate_compressor **compressor = &w->compressor[effort];
+    size_t raw_length;
+    if (!*compressor)
+        *compressor = libdeflate_alloc_compressor(level[effort]);
+    if (!*compressor || !size_multiply(row_bytes + 1, raster->height, &raw_length) ||
+        raw_length > UINT32_MAX / 2 || !mem_grow(&w->raw, &w->raw_capacity, raw_length, 1) ||
+        !mem_grow(&w->packed, &w->packed_capacity,
+                  2 * libdeflate_zlib_compress_bound(*compressor, raw_length), 1)) {
         png->failed = true;
         return;
     }
@@ -385,15 +375,14 @@ void png_add(struct png_writer *w, const struct raster *raster, enum png_effort 
     if (raster->colour) {
         uint8_t rgb[3 * RASTER_COLOURS_MOST];
         for (size_t i = 0; i < colours; i++) {
-            alpha[i] = (uint8_t)(used[i] >> 24);
             rgb[3 * i] = (uint8_t)(used[i] >> 16);
             rgb[3 * i + 1] = (uint8_t)(used[i] >> 8);
             rgb[3 * i + 2] = (uint8_t)used[i];
         }
         add_chunk(png, "PLTE", rgb, 3 * (size_t)colours);
     }
-    if (veils)
-        add_chunk(png, "tRNS", alpha, veils);
+    if (is_clear)
+        add_chunk(png, "tRNS", "", 1); /* the first colour is transparent */
     add_chunk(png, "IDAT", packed, packed_length);
     add_chunk(png, "IEND", "", 0);
 }

@@ -4,7 +4,7 @@
  * and for HTML pages with embedded pictures. One IDAT; the same picture has the same bytes.
  *
  * A palette of up to 2, 4 or 16 colours packs 8, 4 or 2 pixels into a byte; it has only colours
- * that occur, and some may be transparent. No filter is used except for rows that equal the row
+ * that occur, and one may be transparent. No filter is used except for rows that equal the row
  * above, which most do in pictures in blocks of pixels. If bytes cost more than time, the average
  * filter is tried too: it saves a third for slices of ordered greys, nothing for shaded objects.
  */

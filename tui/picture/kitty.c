@@ -75,26 +75,21 @@ static bool may_ask(const struct probe_replies *replies)
 
 /* ---- drawing ---- */
 
-static void add_chunks(const struct buf *png, const char *first, const char *next, struct buf *out)
-{
-    const size_t piece = CHUNK / 4 * 3;
-    out->failed |= png->failed;
-    for (size_t at = 0; !out->failed && at < png->length; at += piece) {
-        const size_t length = png->length - at < piece ? png->length - at : piece;
-        buf_printf(out, "\033_G%sq=2,m=%d;", at == 0 ? first : next, at + length < png->length);
-        buf_add_base64(out, png->data + at, length);
-        buf_add_text(out, "\033\\");
-    }
-}
-
 /* Add pixels as PNG by p->effort, in chunks; `first` are the keys of the first chunk and `next`
  * those of later ones, each with its comma. */
 static void add_png(struct painter *p, const struct raster *raster, const char *first,
                     const char *next, struct buf *out)
 {
+    const size_t piece = CHUNK / 4 * 3;
     OWNED(buf_release) struct buf png = {0};
     png_add(&p->png, raster, p->effort, &png);
-    add_chunks(&png, first, next, out);
+    out->failed |= png.failed;
+    for (size_t at = 0; !out->failed && at < png.length; at += piece) {
+        const size_t length = png.length - at < piece ? png.length - at : piece;
+        buf_printf(out, "\033_G%sq=2,m=%d;", at == 0 ? first : next, at + length < png.length);
+        buf_add_base64(out, png.data + at, length);
+        buf_add_text(out, "\033\\");
+    }
 }
 
 /* Add the command that frees a picture, wherever it is shown. */

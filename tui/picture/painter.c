@@ -230,41 +230,9 @@ static void send_strips(struct painter *p, const struct image_view *view, size_t
         }
 }
 
-static bool is_veiled(const uint8_t rgb[3], uint32_t grey, uint32_t veil)
+/* Clear pixels that the strips show anyway: `places` has `stride` a row. */
+static void clear_strips(const struct image_view *view, uint8_t *places, uint32_t stride)
 {
-    const uint32_t share = veil >> 24 > 127 ? 2 : 1; /* thirds */
-    bool is = true;
-    for (unsigned k = 0; k < 3; k++)
-        is &= rgb[k] == ((3 - share) * grey + share * (veil >> (16 - 8 * k) & 255) + 1) / 3;
-    return is;
-}
-
-/* Return the index of the veil that shows a colour over a grey, or `place` without one. Hues get a
- * veil when they are first seen, and keep it until a picture is sent whole. */
-static uint8_t veil_of(struct painter *p, const struct image_view *view, const uint8_t rgb[3],
-                       uint32_t grey, uint8_t place)
-{
-    if (rgb[0] == grey && rgb[1] == grey && rgb[2] == grey)
-        return RASTER_CLEAR;
-    for (unsigned v = 1; v < p->veils; v++)
-        if (is_veiled(rgb, grey, p->veil[v]))
-            return (uint8_t)(RASTER_CLEAR - v);
-    for (unsigned i = 0; p->veils < PAINTER_VEILS && i < view->hues; i++) {
-        const uint32_t veil = UINT32_C(85) << 24 | (view->hue[i] & 0xFFFFFF);
-        if (is_veiled(rgb, grey, veil)) {
-            p->veil[p->veils++] = veil;
-            return (uint8_t)(RASTER_CLEAR + 1 - p->veils);
-        }
-    }
-    return place;
-}
-
-/* Clear or veil pixels whose greys the strips show: `places` has `stride` a row. */
-static void clear_strips(struct painter *p, const struct image_view *view, uint8_t *places,
-                         uint32_t stride)
-{
-    if (p->veils == 0)
-        p->veil[1] = UINT32_C(170) << 24 | SHADES_CROSS, p->veils = 2;
     for (unsigned i = 0; i < view->strips; i++) {
         const struct raster_box *box = &view->strip[i].box;
         if (!view->strip[i].number)
@@ -274,7 +242,8 @@ static void clear_strips(struct painter *p, const struct image_view *view, uint8
             const uint8_t *rgba = view->rgba + 4 * first, *below = view->below + first;
             uint8_t *place = places + (size_t)y * stride + box->left;
             for (uint32_t x = 0; x < box->width; x++, rgba += 4)
-                place[x] = veil_of(p, view, rgba, below[x], place[x]);
+                if (rgba[0] == below[x] && rgba[1] == below[x] && rgba[2] == below[x])
+                    place[x] = RASTER_CLEAR;
         }
     }
 }
@@ -435,8 +404,7 @@ static struct raster raster_of(const struct painter *p, unsigned i)
     if (p->has_palette) {
         raster.colour = p->shades.colour;
         raster.colours = p->shades.count;
-        raster.veil = p->veil;
-        raster.veils = p->kept.strips ? p->veils : 0;
+        raster.has_clear = p->kept.strips > 0;
     }
     return raster;
 }
@@ -446,7 +414,7 @@ static bool fill_raster(struct painter *p, const struct image_view *view)
     if (!shades_fill(&p->shades, p->has_palette, view, p->of[1].bytes, p->width, p->height))
         return false;
     if (p->has_palette)
-        clear_strips(p, view, p->of[1].bytes, p->width);
+        clear_strips(view, p->of[1].bytes, p->width);
     return true;
 }
 
@@ -510,7 +478,7 @@ static bool change_palette(struct painter *p, const struct image_view *view)
         for (uint32_t x = 0; x < view->width; x++) {
             const size_t at = (size_t)y * p->width + x;
             uint8_t *then = p->of[0].bytes + at, now = p->of[1].bytes[at];
-            if (*then >= SHADES_MOST || now >= SHADES_MOST)
+            if (*then == RASTER_CLEAR || now == RASTER_CLEAR)
                 continue;
             const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
             const uint32_t off = shades_apart(p->shades.colour[now], colour);
@@ -553,7 +521,6 @@ static bool show_whole(struct painter *p, const struct image_view *view, struct 
         !mem_grow(&p->of[0].bytes, &p->of[0].capacity, bytes, 1) ||
         !mem_grow(&p->of[1].bytes, &p->of[1].capacity, bytes, 1))
         return false;
-    p->veils = 0;
     fill_raster(p, view);
     const struct raster raster = raster_of(p, 1);
     const struct raster_box all = {0, 0, p->width, p->height};

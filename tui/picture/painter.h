@@ -47,8 +47,7 @@
  * picture whenever they are visible again.
  *
  *     picture       labels, cross-hair, marks, words, and the rendition; clear where the greys of a
- *                   slice are visible; where they show through, a veil of one colour: two thirds
- *                   of it for the cross-hair, one third for a tint
+ *                   slice are visible
  *     strips        parts of slices, a few rows of cells high, each a picture of the terminal
  *
  * A strip is identified by the SHA-256 of its pixels, so no invalidation is needed: the same slice
@@ -92,8 +91,7 @@ struct strips {
     size_t greys_capacity;
 };
 
-enum { PAINTER_NEAR = 6 };                  /* steps of a channel, 255 in all */
-enum { PAINTER_VEILS = 256 - SHADES_MOST }; /* indices that no palette uses */
+enum { PAINTER_NEAR = 6 }; /* steps of a channel, 255 in all */
 
 struct painter_picture {
     uint8_t *bytes; /* palette indices, colours, or cells */
@@ -108,9 +106,6 @@ struct painter {
     uint32_t width, height; /* shown picture, extended to whole cells where cells are drawn over */
     bool has_palette, is_mixed; /* some pixels have the colours of a former palette */
     struct shades shades;
-    uint32_t
-        veil[PAINTER_VEILS]; /* [veils] of the shown picture, the first one clear; none before */
-    unsigned veils;          /* a picture over strips */
 
     struct strips kept;            /* parts of slices that the terminal has */
     const struct graphics *holder; /* the protocol of the stored picture, or NULL */

@@ -348,7 +348,7 @@ static uint32_t brightest(uint32_t colour)
 /* Cross-hairs of screens and files, and eliminators (render/notes.c); marks in front of a slice
  * (src/program/panes.c). */
 enum { CROSSES = 2, MARKS = 4, CROSS_RUNGS = 7, ACCENTS = MARKS + CROSS_RUNGS + 1 };
-static const uint32_t accent[MARKS] = {SHADES_CROSS, 0xFFDC00, 0xFF4838, 0xE6C85A};
+static const uint32_t accent[MARKS] = {0xB4FF1E, 0xFFDC00, 0xFF4838, 0xE6C85A};
 
 enum { NEAR = 9 * 12 * 12, HUE_OF_ANOTHER = 9 * 4 * 4 };
 

@@ -31,7 +31,6 @@
 #include "tui/picture/image_view.h"
 
 enum { SHADES_MOST = 250, SHADES_HUES_MOST = 256 }; /* colours that every sixel terminal has */
-enum { SHADES_CROSS = 0xB4FF1E }; /* cross-hair of a screen: two thirds of it, a third of a grey */
 /* On a slow line, if that saves bytes: greys, and steps of a channel that do not matter. */
 enum { SHADES_GREYS_FEW = 24, SHADES_JOINED = 8 };
 
