@@ -109,16 +109,11 @@ static uint32_t contrast_at(const struct image_view *view, bool is_slice, size_t
     enum { BRIGHTER = 24 };
     const uint8_t *p = view->rgba + 4 * at, below = is_slice ? view->below[at] : 0;
     const bool is_grey = p[0] == p[1] && p[0] == p[2];
-    uint32_t most = 0;
     if (view->words && view->words[at])
         return 255;
     if (!is_slice || (is_grey && p[0] < below + BRIGHTER))
         return 0;
-    for (unsigned k = 0; k < 3; k++) {
-        const uint32_t apart = (uint32_t)(p[k] > below ? p[k] - below : below - p[k]);
-        most = apart > most ? apart : most;
-    }
-    return most;
+    return shades_apart(image_view_colour(view, at), below * UINT32_C(0x010101));
 }
 
 /* Return the smallest contrast of a line. Where all pixels or parts have some, as in a tint, a line

@@ -482,7 +482,7 @@ static bool change_palette(struct painter *p, const struct image_view *view)
                 continue;
             const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
             const uint32_t off = shades_apart(p->shades.colour[now], colour);
-            const uint32_t near = PAINTER_NEAR + (p->shades.has_few_greys ? SHADES_JOINED : 0);
+            const uint32_t near = PAINTER_NEAR + (view->has_few_greys ? SHADES_JOINED : 0);
             *then = shades_apart(former[*then], colour) <= off + near ? now : (uint8_t)!now;
         }
     p->is_mixed = true;

@@ -258,9 +258,10 @@ static void apply_nearest(struct shades *s, const struct image_view *view, uint8
     }
 }
 
-/* Give pixels the place of the pixel on the left, or of one above in the same band of a sixel
- * picture, if that is at most SHADES_JOINED off: each place in a column costs a byte. A change has
- * an effect in its own band and COLUMNS columns alone. */
+/* Give a pixel the place of the one on its left, or of one above it, in the same block of COLUMNS x
+ * BAND pixels, if that is at most SHADES_JOINED off: each place that occurs in a column of a band
+ * of sixels costs a byte. A change has an effect in its own block alone. Blocks are the bands of a
+ * whole picture; those of a patch begin at its top. */
 static void join_places(const struct shades *s, const struct image_view *view, uint8_t *index,
                         size_t stride)
 {
@@ -269,12 +270,12 @@ static void join_places(const struct shades *s, const struct image_view *view, u
         for (uint32_t x = 0; x < view->width; x++) {
             uint8_t *place = index + y * stride + x;
             const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
-            bool is_joined = false;
-            for (uint32_t k = x % COLUMNS ? 0 : 1; !is_joined && k <= y % BAND; k++) {
-                const uint8_t other = k ? *(place - k * stride) : place[-1];
-                is_joined =
-                    other == *place || shades_apart(s->colour[other], colour) <= SHADES_JOINED;
-                *place = is_joined ? other : *place;
+            unsigned other = NOWHERE;
+            for (uint32_t k = x % COLUMNS ? 0 : 1; k <= y % BAND && other != *place; k++) {
+                const unsigned former = other; /* often the same */
+                other = k ? *(place - k * stride) : place[-1];
+                if (other != former && shades_apart(s->colour[other], colour) <= SHADES_JOINED)
+                    *place = (uint8_t)other;
             }
         }
 }
@@ -333,14 +334,6 @@ static uint32_t distance_to_line(uint32_t colour, uint32_t from, uint32_t to)
         least = d < least ? d : least;
     }
     return least;
-}
-
-static uint32_t brightest(uint32_t colour)
-{
-    uint32_t most = 0;
-    for (unsigned k = 0; k < 3; k++)
-        most = channel(colour, k) > most ? channel(colour, k) : most;
-    return most;
 }
 
 /* ---- which ladders ---- */
@@ -406,7 +399,7 @@ static bool take_hues(struct shades *s, const struct image_view *view)
     for (unsigned level = 256; level-- > 8;)
         for (unsigned i = 0; i < given; i++) {
             const uint32_t hue = s->given[i] & 0xFFFFFF;
-            bool is_new = brightest(hue) == level && !is_grey(hue);
+            bool is_new = shades_apart(hue, 0) == level && !is_grey(hue);
             for (unsigned k = 0; is_new && k < s->hues; k++)
                 is_new = distance_to_line(hue, 0, s->hue[k]) >= HUE_OF_ANOTHER;
             if (is_new)
@@ -438,7 +431,7 @@ static void sample_colours(const struct image_view *view, const uint32_t *hue, u
     const unsigned looks = sample_pixels(view, view->fine ? view->fine : view->rgba, look);
     unsigned seen = 0, greys = 0, tints = 0;
     for (unsigned i = 0; i < looks; i++) {
-        if (brightest(look[i]) < 16)
+        if (shades_apart(look[i], 0) < 16)
             continue;
         seen++;
         if (is_grey(look[i]))
@@ -610,7 +603,7 @@ bool shades_fill(struct shades *s, bool has_palette, const struct image_view *vi
         return apply_exact(s, view, bytes, stride);
     if (has_palette)
         apply_nearest(s, view, bytes, stride);
-    if (has_palette && s->has_few_greys)
+    if (has_palette && view->has_few_greys)
         join_places(s, view, bytes, stride);
     for (uint32_t y = 0; y < view->height && !has_palette; y++) {
         uint8_t *out = bytes + y * stride;

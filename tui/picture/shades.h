@@ -12,8 +12,8 @@
  * pixel maps to the nearest entry, which is cached for all colours that have the same 6 leading
  * bits a channel: a lookup in a table of 256 kB, filled on demand.
  *
- *   S1 the same colour has the same place in every picture until shades_choose, unless it has few
- *      greys: then places are joined where that is hardly seen, since bytes count;
+ *   S1 the same colour has the same place in every picture until shades_choose, unless a view has
+ *      few greys: then places are joined where that is hardly seen, since bytes count;
  *   S2 place 0 is black, and black has place 0;
  *   S3 a picture of few colours, text for instance, has exactly these ("exact").
  *
