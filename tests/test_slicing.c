@@ -623,6 +623,12 @@ static bool is_hasty(uint64_t within_ns, struct slicing_panel *panel, struct can
     return panel->is_hasty;
 }
 
+static void draw_during_a_command(void *context)
+{
+    struct slicing_panel panel;
+    CHECK(is_hasty(0, &panel, context));
+}
+
 /* Count the pixels that differ in the rendition's pane, or in the other panes. */
 static size_t differing(const struct canvas *a, const struct canvas *b,
                         const struct slicing_panel *panel, bool of_rendition)
@@ -643,7 +649,7 @@ static size_t differing(const struct canvas *a, const struct canvas *b,
 STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
 {
     struct slicing_panel panel;
-    OWNED(canvas_release) struct canvas hasty = {0}, fine = {0}, turned = {0};
+    OWNED(canvas_release) struct canvas hasty = {0}, fine = {0}, turned = {0}, during = {0};
     must(&interp, "seed 3,3,4 3; run");
     CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty) && !is_hasty(0, &panel, &fine));
     CHECK_INT(differing(&hasty, &fine, &panel, false), 0);
@@ -660,6 +666,8 @@ STORY(in_a_hurry_slices_come_first_and_then_a_coarse_rendition)
     interp.session->pictures->coarse.took_ns = UINT64_MAX;
     CHECK(is_hasty(AT_ONCE_NS, &panel, &hasty));
     CHECK(!session_rendered(interp.session)); /* nothing but a screen shows it */
+    session_show(interp.session, draw_during_a_command, &during); /* the same */
+    CHECK_INT(differing(&hasty, &during, &panel, true), 0);
     CHECK(!is_hasty(0, &panel, &turned));
     const size_t off = differing(&hasty, &turned, &panel, true);
     /* Edges alone are off: half of the pixels of so small a thing. At another zoom, or in another

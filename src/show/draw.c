@@ -94,6 +94,7 @@ static void forget_coarse(struct coarse *coarse)
 {
     rendition_release(&coarse->rendition);
     layers_release(&coarse->layers);
+    coarse->is_last = false;
 }
 
 static void forget_context(struct context *context)
@@ -779,6 +780,14 @@ static enum err fit_shown(struct pictures *p, const struct border *border, struc
     return OK;
 }
 
+static struct glance last_glance(const struct session *session, bool is_hasty)
+{
+    const struct pictures *p = session->pictures;
+    if (p && p->coarse.is_last)
+        return (struct glance){&p->coarse.rendition, COARSE, is_hasty};
+    return (struct glance){session_frame(session), 1, is_hasty};
+}
+
 enum err session_draw_fitting(struct session *session, const uint32_t room[2], uint64_t within_ns,
                               struct glance *glance, struct labels *labels, struct fault *fault)
 {
@@ -786,7 +795,7 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
     const enum rendered as = finished ? RENDERED_FINISHED : RENDERED_FOREST;
     struct pictures *p;
     *labels = labels_of_forest(session->scene);
-    *glance = (struct glance){session_frame(session), 1, session->is_shown};
+    *glance = last_glance(session, session->is_shown);
     if (session->skims || session->is_shown)
         return OK;
     TRY(pictures_begin(&p, session, fault));
@@ -797,22 +806,18 @@ enum err session_draw_fitting(struct session *session, const uint32_t room[2], u
     const struct view view = session_view_in_room(session, room);
     TRY(take_view(p, &view, fault));
     labels->finished = finished ? p->live.label : NULL;
-    glance->rendition = session_frame(session);
     const struct border *border = border_of(p, as);
     const bool is_current = mesh_is_current(&p->mesh, border, shade_kind(look_of(p)));
     const bool is_soon = (p->rendered == as && p->waits.follows && p->waits.count <= FEW_CHANGES) ||
                          (p->coarse.took_ns && p->coarse.took_ns < within_ns && is_current);
-    glance->is_hasty = within_ns && !is_soon && !session->now.outlook.context;
+    *glance = last_glance(session, within_ns && !is_soon && !session->now.outlook.context);
     if (glance->is_hasty && !is_current)
         return OK;
-    if (glance->is_hasty) {
-        glance->rendition = &p->coarse.rendition;
-        glance->coarse = COARSE;
-        return draw_coarse(p, &view, border, fault);
-    }
-    enum err err = draw_at(p, &view, as, RENDER_AS_KEPT, fault);
-    glance->rendition = session_frame(session);
-    return err;
+    TRY(glance->is_hasty ? draw_coarse(p, &view, border, fault)
+                         : draw_at(p, &view, as, RENDER_AS_KEPT, fault));
+    p->coarse.is_last = glance->is_hasty;
+    *glance = last_glance(session, glance->is_hasty);
+    return OK;
 }
 
 struct view session_fitting_view(const struct session *session)

@@ -41,7 +41,7 @@ enum err session_draw_labels(struct session *session, const struct labels *label
 
 /* A rendition for a panel. If it is wanted within a time and the last one took longer, it may be a
  * coarse one: a quarter of the pixels; or, if much of its surface must be computed first, the one
- * drawn last, which may be empty. */
+ * shown last, which may be empty. */
 struct glance {
     const struct rendition *rendition;
     uint32_t coarse; /* width of a pixel in pixels of the full rendition */
@@ -50,7 +50,8 @@ struct glance {
 
 /* Draw for a panel: in the view of session_fitting_view, valid until the next of these calls.
  * `within_ns` 0: no limit. *labels are those shown: the forest's, or finished ones, which may be
- * rough. The rendition is that of session_view_in_room; within session_show, the one drawn last. */
+ * rough. The rendition is that of session_view_in_room; within session_show, the one that a panel
+ * showed last, which may be coarse. */
 enum err session_draw_fitting(struct session *session, const uint32_t room[2], uint64_t within_ns,
                               struct glance *glance, struct labels *labels, struct fault *fault);
 

@@ -47,6 +47,7 @@ struct coarse {
     struct rendition rendition;
     struct layers layers;
     uint64_t took_ns; /* time of the last rendition from scratch; 0: none was drawn */
+    bool is_last;     /* it is the rendition that a panel showed last */
 };
 
 /* Store samples of at most this many pixels, so that edits are shown at once: 210 MB. */
