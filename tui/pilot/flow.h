@@ -59,8 +59,8 @@
 
 #define FLOW_LIMIT_NS  UINT64_C(2000000000)
 #define FLOW_TARGET_NS UINT64_C(33000000)
-#define FLOW_LEAD_NS   UINT64_C(10000000)  /* transfer time left when the next frame is sent, */
-#define FLOW_DRAW_NS   UINT64_C(40000000)  /* and at most so much more, for drawing it */
+#define FLOW_LEAD_NS   UINT64_C(10000000)  /* transfer time left when the next frame is sent; */
+#define FLOW_DRAW_NS   UINT64_C(40000000)  /* the time to draw it is added, up to this limit */
 #define FLOW_PAUSE_NS  UINT64_C(200000000) /* between frames if the terminal does not answer */
 
 enum {
@@ -75,7 +75,7 @@ enum {
 struct flow {
     uint64_t round_trip_ns; /* known beforehand; 0: unknown */
     bool silent;            /* the terminal answers nothing: send frames at intervals */
-    uint64_t drawn_ns;      /* time that the last frame was drawn in */
+    uint64_t drawn_ns;      /* time that drawing the last frame took */
     /* ---- private, but for reading `due` and `failed` ---- */
     unsigned due;  /* frames whose barriers are unanswered */
     bool failed;   /* frames were given up, and nothing was sent since */
@@ -150,9 +150,10 @@ void pace_key(struct pace *pace, uint64_t now_ns);
 
 /*
  * A picture is cut into tiles. Tiles that the screen shows correctly stay; of the others as many
- * are sent as the frame's budget allows, in coarser pixels if necessary. Words stay sharp in coarse
- * tiles, and the focus of the view gets fine first; the first frame may show nothing else. The cost
- * of tiles is learnt from the frames that were sent. Where the terminal stores the greys of a slice
+ * are sent as the frame's budget allows, in coarser pixels if necessary; of fine tiles up to half as
+ * many more, to the end of a row. Words stay sharp in coarse tiles, and the focus of the view gets
+ * fine first; the first frame has as many tiles as fit, those of the focus first. The cost of tiles
+ * is learnt from the frames that were sent. Where the terminal stores the greys of a slice
  * (tui/picture/painter.h) little is left to send, and tiles are fine at once; where it will get
  * them, tiles wait.
  *

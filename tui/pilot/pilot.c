@@ -58,7 +58,7 @@ struct pilot {
     bool is_hasty;          /* or shows a hastily drawn picture of it */
     struct pace pace;       /* intervals of keys */
     struct image_view view; /* the picture of the present state, if drawn, */
-    bool is_drawn;          /* in full while the line was busy, and not sent yet */
+    bool is_drawn;          /* while the line was busy; cleared when a frame is sent */
     struct refine refine;
     struct flow flow;
     bool is_resized;
@@ -81,6 +81,7 @@ struct pilot {
     /* time of the next read and of the next drawing; of the last request to draw */
     uint64_t reads_ns, shows_ns, wanted_ns;
     bool is_showing;
+    bool has_progress; /* a command has the last row */
 };
 
 static bool read_keys_ahead(struct pilot *p, uint64_t now_ns);
@@ -222,7 +223,7 @@ static void add_rows(struct buf *out, const struct pilot *p, const struct pilot_
     if (second || begins || has_status(p))
         add_row(out, size->rows - 2, size->columns, buf_text(&upper),
                 p->state->pen.is_down || p->state->base == PILOT_OUTLINING ? alarm : "");
-    if (!p->is_showing) /* otherwise the row is that of progress */
+    if (!p->has_progress)
         add_row(out, size->rows - 1, size->columns, second ? second + 1 : buf_text(&lower), "");
     out->failed |= upper.failed || lower.failed;
 }
@@ -307,7 +308,6 @@ static bool add_picture(struct pilot *p, struct buf *out)
         err = draw_view(p);
     if (err)
         return err != ERR_CANCELLED;
-    p->is_drawn = false;
     struct image_view view = p->view;
     /* Sixels of a first picture in blocks need three times the bytes of other protocols. */
     const bool is_large = p->flow.samples == 0 && p->facts->graphics->palette_always;
@@ -382,7 +382,7 @@ static enum err draw(struct pilot *p, struct fault *fault)
         buf_add_text(&out, FRAME_ENDS);
     if (p->facts->answers)
         buf_add_text(&out, p->facts->barrier);
-    p->is_stale = p->is_blank = false;
+    p->is_stale = p->is_blank = p->is_drawn = false;
     p->shows = facts.shows;
     p->flow.drawn_ns = clock_ns() - begin_ns;
     return send_frame(p, &out, fault);
@@ -481,8 +481,9 @@ static bool read_key(struct pilot *p, struct key_event *event);
 #define SHOWN_EVERY_NS UINT64_C(100000000)
 #define READ_EVERY_NS  UINT64_C(10000000)
 
-/* Keys that take longer are shown before further ones that have arrived: otherwise nothing would be
- * drawn while a pen is held whose edits take longer than the interval of its keys. */
+/* Send a frame after keys were carried out for this long, even if more have arrived: otherwise
+ * nothing would be drawn while a pen is held whose edits take longer than the interval of its keys.
+ */
 #define KEYS_NS UINT64_C(30000000)
 
 /* Keys are read ahead up to the first that does more than move the cross-hair: the text after a
@@ -576,10 +577,12 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
         p->is_over = true;
         return term_set_mode(TERM_RAW, fault);
     }
+    p->has_progress = true;
     host->look_on(host->context, &onlooker);
     *of_command = p->state->sketches ? host->sketch(host->context, line, &why)
                                      : host->execute(host->context, line, output, &why);
     host->look_on(host->context, NULL);
+    p->has_progress = false;
     err = term_set_mode(TERM_RAW, fault);
     if (*of_command)
         say_error(p, &why);
@@ -1081,10 +1084,6 @@ static bool wait_once(struct pilot *p, struct key_event *event)
         return !p->is_pasting && line_editor_time_out(e, event) && is_for_pilot(p, event) &&
                split_alt(p, event);
     }
-    if (term_was_resized() || term_was_continued()) {
-        p->is_resized = true;
-        lay_out(p);
-    }
     return false;
 }
 
@@ -1126,6 +1125,14 @@ static void finish_labels(struct pilot *p)
         say_error(p, &why);
 }
 
+static void follow_screen(struct pilot *p)
+{
+    if (term_was_resized() || term_was_continued()) {
+        p->is_resized = true;
+        lay_out(p);
+    }
+}
+
 /* For a page of text: wait for a key, or another size of the screen. */
 static void await_key(struct pilot *p, struct key_event *event)
 {
@@ -1133,6 +1140,7 @@ static void await_key(struct pilot *p, struct key_event *event)
     p->is_paging = true;
     while (!p->is_over && !p->is_resized && !has_key) {
         has_key = next_key(p, event) || wait_once(p, event);
+        follow_screen(p);
         has_key = has_key && event->key != KEY_PASTE_END && event->key != KEY_OTHER &&
                   event->key != KEY_MOUSE;
     }
@@ -1147,18 +1155,19 @@ static enum err run(struct pilot *p, struct fault *fault)
     while (!err && !p->is_over) {
         const uint64_t begin_ns = clock_ns();
         bool shows_first = false; /* before the next key */
+        follow_screen(p);
         while (!err && !p->is_over && !shows_first && next_key(p, &event)) {
             err = take_key(p, &event, fault);
             shows_first = p->is_stale && clock_ns() >= begin_ns + KEYS_NS;
         }
-        if (shows_first) /* an answer may follow keys */
+        if (shows_first) /* answers may have arrived behind keys */
             p->reads_ns = 0, read_keys_ahead(p, clock_ns());
         const bool has_frame = !err && !p->is_over && (has_more(p) || is_send_ahead_due(p));
         if (has_frame && flow_may_send(&p->flow, clock_ns()))
             err = has_more(p) || p->flow.failed ? draw(p, fault) : send_ahead(p, fault);
         else if (has_frame && !p->is_stale && is_due(p) && p->view.rgba)
-            p->is_drawn = draw_view(p) == OK; /* while the line is busy */
-        if (shows_first)
+            p->is_drawn = draw_view(p) != ERR_CANCELLED; /* while the line is busy */
+        if (shows_first || p->ahead.count > p->ahead.taken)
             continue;
         const bool is_rough = !p->is_stale && !p->is_hasty && !p->is_drawn && !p->finish_failed &&
                               !has_partial_key(p) && !p->is_pasting && p->host->finish &&

@@ -257,9 +257,11 @@ enum pilot_request pilot_press(struct press *press);
 void pilot_click(struct press *press, uint32_t column, uint32_t row);
 
 /* Return true if a key moves the cross-hair, or is a digit of a count: then further keys may be
- * read before it is carried out. And if it draws nothing either, neither by the pen nor an outline:
- * then it can be shown while a command runs. */
+ * read before it is carried out. */
 bool pilot_moves(const struct pilot_state *state, const struct key_event *event);
+
+/* The same if it draws nothing, neither by the pen nor an outline: then it can be shown while a
+ * command runs. */
 bool pilot_only_moves(const struct pilot_state *state, const struct key_event *event);
 
 /* Add the hints of the present mode, in a line that fits 80 columns; `bold` as in setup_say. */
