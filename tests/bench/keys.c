@@ -531,26 +531,6 @@ static void print_worse(const struct figures *f)
                                f->key[l][p][k].of[c], then[c]);
 }
 
-/* A line's rows with all pilots side by side, as in README.md. */
-static void print_page(const struct figures *f, unsigned line)
-{
-    static const int wide[COLUMNS] = {8, 7, 6, 6};
-    printf("    %s, ms and kB\n        %-35s", lines[line].text, "");
-    for (unsigned p = 0; p < PILOTED; p++)
-        printf(" %26s", piloted[p]->title);
-    printf("\n        %-35s", "");
-    for (unsigned p = 0; p < PILOTED; p++)
-        printf("   first finest    kB  proc");
-    for (int k = 0; k < KINDS; k++) {
-        printf("\n        %-35s", key_words[k].text);
-        for (unsigned p = 0; p < PILOTED; p++)
-            for (int c = 0; c < COLUMNS; c++)
-                f->key[line][p][k].keys ? printf("%*.0f", wide[c], f->key[line][p][k].of[c])
-                                        : printf("%*s", wide[c], "-");
-    }
-    printf("\n");
-}
-
 static void print_table(struct figures *f)
 {
     puts(file_name(buf_text(&f->scene)));
@@ -570,8 +550,6 @@ static void print_table(struct figures *f)
             printf("    %s, %s\n", piloted[p]->title, lines[l].text);
             print_keys(f->key[l][p], name_of(l, p).text);
         }
-    for (unsigned l = 0; l < LINES; l++)
-        print_page(f, l);
     print_worse(f);
 }
 
