@@ -407,8 +407,8 @@ static int64_t wrong_pixels(const struct image_view *view)
             uint32_t wanted = beyond ? BLANK : 0;
             if (x < view->width && y < view->height)
                 wanted = expected_at(view, (size_t)y * view->width + x);
-            const bool is_joined = painter.facts.graphics->palette_always &&
-                                   (view->is_slow || painter.is_mixed);
+            const bool is_joined =
+                painter.facts.graphics->palette_always && (view->is_slow || painter.is_mixed);
             const uint32_t off =
                 (painter.is_mixed ? PAINTER_NEAR : 0u) + (is_joined ? SHADES_JOINED : 0u);
             if (!off || x >= view->width || y >= view->height) {

@@ -150,10 +150,10 @@ void pace_key(struct pace *pace, uint64_t now_ns);
 
 /*
  * A picture is cut into tiles. Tiles that the screen shows correctly stay; of the others as many
- * are sent as the frame's budget allows, in coarser pixels if necessary; of fine tiles up to half as
- * many more, to the end of a row. Words stay sharp in coarse tiles, and the focus of the view gets
- * fine first; the first frame has as many tiles as fit, those of the focus first. The cost of tiles
- * is learnt from the frames that were sent. Where the terminal stores the greys of a slice
+ * are sent as the frame's budget allows, in coarser pixels if necessary; of fine tiles up to half
+ * as many more, to the end of a row. Words stay sharp in coarse tiles, and the focus of the view
+ * gets fine first; the first frame has as many tiles as fit, those of the focus first. The cost of
+ * tiles is learnt from the frames that were sent. Where the terminal stores the greys of a slice
  * (tui/picture/painter.h) little is left to send, and tiles are fine at once; where it will get
  * them, tiles wait.
  *
