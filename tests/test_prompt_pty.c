@@ -268,7 +268,8 @@ STORY(a_line_is_typed_mended_and_carried_out)
     CHECK_INT(t->screen.column, 7 + 3);
     BEGIN_AFTER("\r", "48000 voxels changed, label 1: 48 ml, ");
     SEE_LINE("synth>");
-    LINE_AFTER("label 1 \346\234\254x", "synth> label 1 \346\234\254x [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
+    LINE_AFTER("label 1 \346\234\254x",
+               "synth> label 1 \346\234\254x [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
     CHECK_INT(t->screen.column, 7 + 8 + 3);
     ROW_AFTER("\177\177kidney\r", "synth> label 1 kidney");
     type("seed 2,2,2 2\r");
@@ -347,7 +348,7 @@ STORY(a_hundred_pasted_lines_are_a_hundred_commands)
         take(5);
     }
     SEE("synth> label 99 part-99");
-    SEE_LINE("synth> label 100 part-100 [#rrggbb] [number=N] [code=none|SCHEME:VALUE]"); /* all wait for Enter */
+    SEE_LINE("synth> label 100 part-100 [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
     SEE("Enter runs the pasted lines, Ctrl-C drops them");
     CHECK(strstr(journal(1), "part-") == NULL);
     LINE_AFTER("\r", "synth>");
@@ -428,7 +429,8 @@ QUIT_STORY(what_was_entered_before_is_suggested_and_taken)
     start_at_prompt();
     type("se"); /* neither a voxel beyond the scene, nor a label without a name, nor a mistake */
     SEE_LINE("synth> se");
-    LINE_AFTER("\025label 7 ", "synth> label 7 liver [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
+    LINE_AFTER("\025label 7 ",
+               "synth> label 7 liver [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
     const struct screen_cell *cell = t->screen.cell[t->screen.row];
     CHECK(cell[15].grey && cell[21].grey && !cell[8].grey && t->screen.column == 15);
     LINE_AFTER("\033[C", "synth> label 7 liver [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
@@ -442,7 +444,8 @@ QUIT_STORY(what_was_entered_before_is_suggested_and_taken)
     check_awaited(is_at_column, "23", __LINE__);
     type("\037\037"); /* undo the suggestion, and a word of it */
     check_awaited(is_at_column, "11", __LINE__);
-    LINE_AFTER("\025la\033[A", "synth> label 7 liver [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
+    LINE_AFTER("\025la\033[A",
+               "synth> label 7 liver [#rrggbb] [number=N] [code=none|SCHEME:VALUE]");
     type("\033[B");
     check_awaited(is_at_column, "9", __LINE__);
     LINE_AFTER("\025goto \033.\033.", "synth> goto 1");
