@@ -98,7 +98,7 @@ static void comes_back(const struct volume_format *format, const char *name)
     buf_add_text(&words, "\n0020000d 1.2\n0020000e 1.3\n00200052 1.4\nslice 1.5 1.6 0\n");
     const struct dicom_source source = {.words = words, .date = "19000101", .time = "000000"};
     for (unsigned l = 0; l < 256; l++)
-        label[l] = (struct volume_label){.name = "", .number = l, .used = true};
+        label[l] = (struct volume_label){.name = "", .code = "", .number = l, .used = true};
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_SFORM));
     CHECK(format->write(path, FILE_REPLACE,
                         &(struct volume_map){size, &geometry, VOXEL_UINT8, "test", row_of_values,

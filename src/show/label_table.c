@@ -137,9 +137,10 @@ static enum err take_name(struct label_entry *entry, struct part name, bool has_
     name = trimmed(name);
     const bool is_quoted = name.end - name.at > 1 && name.at[0] == '"' && name.end[-1] == '"';
     if (is_quoted) {
-        name = trimmed((struct part){name.at + 1, name.end - 1});
+        name = (struct part){name.at + 1, name.end - 1};
         if (has_codes)
             take_code(entry, &name);
+        name = trimmed(name);
     }
     for (; name.at < name.end; name.at++) { /* without the backslash before a quote */
         name.at += is_quoted && name.at[0] == '\\' && name.at + 1 < name.end && name.at[1] == '"';

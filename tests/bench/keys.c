@@ -149,7 +149,9 @@ static const struct line_kind {
 enum { LINES = sizeof lines / sizeof lines[0], PILOTED = 3, QUICK_KEYS = 4 };
 static const struct graphics *const piloted[PILOTED] = {&graphics_kitty, &graphics_tiles,
                                                         &graphics_sixel};
-enum { HELD_MS = 33, HELD_FOR_MS = 1500, IDLE_MS = 10000 };
+enum { HELD_MS = 33 };
+
+static unsigned held_for_ms = 1500, idle_ms = 10000;
 
 /* Medians over the keys. */
 struct key_figures {
@@ -297,9 +299,9 @@ static void outline(struct far_end *e, unsigned keys, struct key_figures out[KIN
 static struct key_figures hold(struct far_end *e, const char *key, struct key_figures *gap)
 {
     struct far_result result;
-    must(far_end_hold(e, key, HELD_FOR_MS / HELD_MS, HELD_MS, &result, &bench_fault));
+    must(far_end_hold(e, key, held_for_ms / HELD_MS, HELD_MS, &result, &bench_fault));
     struct key_figures figures = {.keys = 1,
-                                  .of = {[FIRST] = result.frames / (HELD_FOR_MS / 1000.0)}};
+                                  .of = {[FIRST] = result.frames / (held_for_ms / 1000.0)}};
     take_result(figures.of, &result);
     if (gap)
         *gap = (struct key_figures){.keys = 1, .of = {[FIRST] = (double)result.gap_ns / 1e6}};
@@ -309,7 +311,7 @@ static struct key_figures hold(struct far_end *e, const char *key, struct key_fi
 static struct key_figures rest(struct far_end *e)
 {
     struct far_result result;
-    must(far_end_wait(e, IDLE_MS, &result, &bench_fault));
+    must(far_end_wait(e, idle_ms, &result, &bench_fault));
     struct key_figures figures = {.keys = 1};
     take_result(figures.of, &result);
     return figures;
@@ -400,7 +402,7 @@ static void time_gestures(const struct figures *f, const struct graphics *graphi
                           const struct far_line *line, struct key_figures out[KINDS])
 {
     OWNED(mem_release) struct pressed *pressed = must_have(KINDS * sizeof *pressed);
-    for (unsigned i = 0; i < (f->quick ? 1 : SESSIONS); i++) {
+    for (unsigned i = 0; i < SESSIONS; i++) {
         struct far_end *e = NULL;
         const char *folder = bench_folder(NULL);
         char journal[PATH_MAX];
@@ -430,7 +432,7 @@ static void time_keys(const struct figures *f, const struct graphics *graphics,
     press_all(e, keys, out);
     far_end_free(e);
     time_steps(f, path, folder, graphics, line, keys / 3, out);
-    if (graphics != &graphics_tiles)
+    if (graphics != &graphics_tiles && !f->quick)
         time_gestures(f, graphics, line, out);
 }
 
@@ -604,6 +606,8 @@ enum err run_keys(const struct options *o, struct fault *fault)
                         .only = o->words ? o->word[0] : NULL,
                         .quick = bench_options(o)->quick};
     (void)fault;
+    if (f.quick)
+        held_for_ms = idle_ms = 300;
     find_files(&f);
     for (int i = 0; !f.only && i < (f.quick ? 1 : STARTS); i++)
         time_start(&f);
