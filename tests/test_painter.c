@@ -653,6 +653,34 @@ STORY(another_palette_leaves_pixels_that_are_near_it)
     }
 }
 
+/* A coarse picture has few colours, here one that no palette of these hues has. The first rows
+ * become fine, and then all. */
+STORY(coarse_pixels_do_not_stay_where_fine_ones_get_their_place)
+{
+    enum { SIDE = 80, FIRST = SIDE * 25, ALL = SIDE * SIDE };
+    static uint8_t fine[4 * ALL];
+    for (unsigned g = 0; g < WITH_PIXELS; g++)
+        for (unsigned i = 0; i < 30; i++) {
+            begin_painter(with_pixels[g], 8, 16, 0, 0, 10, 5);
+            uint64_t seed = i;
+            struct image_view view = picture(SIDE, SIDE);
+            const uint32_t coarse = 0x6B594B ^ ((uint32_t)check_random(&seed) & 0x1C1C1C);
+            for (size_t at = 0; at < ALL; at++)
+                put(at, at < FIRST ? check_below(&seed, 256) * 0x010101 + check_below(&seed, 4)
+                                   : 0x6B594B);
+            memcpy(fine, pixels, sizeof fine);
+            for (size_t at = 0; at < ALL; at++)
+                put(at, coarse);
+            view.hues = 3;
+            view.fine = fine;
+            show_right(&view);
+            memcpy(pixels, fine, 4 * FIRST);
+            show_right(&view);
+            memcpy(pixels, fine, sizeof fine);
+            show_right(&view);
+        }
+}
+
 /* The first picture on a line that may be slow. */
 STORY(a_whole_picture_of_blocks_takes_fewer_bytes_where_they_count)
 {

@@ -466,11 +466,13 @@ static void find_stale(const struct painter *p, struct stale *stale)
         stale->cost += cost_of(stale->box[i], box_cost);
 }
 
-/* Make another palette for the view. Pixels whose shown colour is near that of the view get its
- * index, so they are not sent again. */
+/* Make another palette for the view. Pixels whose shown colour is near that of the view and of the
+ * final picture get its index, so they are not sent again. */
 static bool change_palette(struct painter *p, const struct image_view *view)
 {
     uint32_t former[SHADES_MOST];
+    struct image_view fine = *view;
+    fine.rgba = view->fine ? view->fine : view->rgba;
     memcpy(former, p->shades.colour, sizeof former);
     if (!shades_choose(&p->shades, view) || !fill_raster(p, view))
         return false;
@@ -480,10 +482,14 @@ static bool change_palette(struct painter *p, const struct image_view *view)
             uint8_t *then = p->of[0].bytes + at, now = p->of[1].bytes[at];
             if (*then == RASTER_CLEAR || now == RASTER_CLEAR)
                 continue;
-            const uint32_t colour = image_view_colour(view, (size_t)y * view->width + x);
-            const uint32_t off = shades_apart(p->shades.colour[now], colour);
+            const size_t i = (size_t)y * view->width + x;
+            const uint32_t colours[] = {image_view_colour(view, i), image_view_colour(&fine, i)};
             const uint32_t near = PAINTER_NEAR + (view->has_few_greys ? SHADES_JOINED : 0);
-            *then = shades_apart(former[*then], colour) <= off + near ? now : (uint8_t)!now;
+            bool is_near = true;
+            for (unsigned k = 0; k < 2; k++)
+                is_near &= shades_apart(former[*then], colours[k]) <=
+                           shades_apart(p->shades.colour[now], colours[k]) + near;
+            *then = is_near ? now : (uint8_t)!now;
         }
     p->is_mixed = true;
     return true;
