@@ -1148,6 +1148,16 @@ static void await_key(struct pilot *p, struct key_event *event)
     buf_clear(&p->pasted);
 }
 
+/* Return true if a click has arrived: it refers to the present picture, so no other is drawn before
+ * it. */
+static bool has_click(const struct pilot *p)
+{
+    const struct line_editor *e = p->editor;
+    const struct typed_ahead *ahead = &p->ahead;
+    return (ahead->count > ahead->taken && ahead->event[ahead->count - 1].key == KEY_MOUSE) ||
+           strstr(buf_text(&e->input) + e->taken, "\033[<0;");
+}
+
 static enum err run(struct pilot *p, struct fault *fault)
 {
     struct key_event event;
@@ -1158,7 +1168,7 @@ static enum err run(struct pilot *p, struct fault *fault)
         follow_screen(p);
         while (!err && !p->is_over && !shows_first && next_key(p, &event)) {
             err = take_key(p, &event, fault);
-            shows_first = p->is_stale && clock_ns() >= begin_ns + KEYS_NS;
+            shows_first = p->is_stale && clock_ns() >= begin_ns + KEYS_NS && !has_click(p);
         }
         if (shows_first) /* answers may have arrived behind keys */
             p->reads_ns = 0, read_keys_ahead(p, clock_ns());
