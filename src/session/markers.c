@@ -336,7 +336,9 @@ uint32_t markers_at(const struct markers *markers, uint32_t cell)
 {
     const uint32_t latest = markers->buckets ? *bucket_of(markers, cell) : COVER_NONE;
     uint32_t decides = 0, freed = 0; /* the last one found to be freed: it is frequent */
-    for (uint32_t at = latest; at != COVER_NONE; at = markers->cover[at].below) {
+    /* Older covers are of older markers. */
+    for (uint32_t at = latest; at != COVER_NONE && markers->cover[at].marker > decides;
+         at = markers->cover[at].below) {
         const struct cover *cover = markers->cover + at;
         const uint32_t number = cover->is_beside ? cover->from : cover->marker;
         if (cover->cell != cell || (cover->from && !cover->is_beside) || number <= decides ||
