@@ -126,6 +126,9 @@ static enum err answer_stats(const struct act *act, const struct label_stats *st
     levels_write_scale(out, session->levels, "");
     act_write_region(out, session);
     act_write_finish(out, session);
+    if (!labels->finished && session_shows_finished(session))
+        buf_add_text(out, "labels here are those of the forest; `stats finished=yes` counts those "
+                          "shown\n");
     const size_t border = border_count(&session->border);
     buf_printf(out, "%zu border voxel%s; forest %016llx, labels %016llx\n", border, plural(border),
                (unsigned long long)forest_digest(session->forest),

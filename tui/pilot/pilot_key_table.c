@@ -308,7 +308,7 @@ void pilot_keys_hint(const struct pilot_state *state, const struct pilot_facts *
                   "{plant-label:0} background");
     } else if (moves && facts->wants_outline) {
         setup_say(out, setup, bold,
-                  "{outline} outlines the object in a slice where it is wrong; {plant} or "
+                  "{outline} outlines the object where a slice is wrong; {plant} or "
                   "{plant-label:0} corrects by balls; {keys} keys");
     } else if (state->mode == PILOT_WINDOWING) {
         buf_add_text(out, "window ");
