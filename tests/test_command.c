@@ -842,11 +842,15 @@ STORY(commands_are_the_same_wherever_their_file_is_seen_from)
     bool is_scene;
     CHECK(command_opens(&name, &is_scene, "open volume=2 \"a b.nii\" series=2") && is_scene);
     CHECK_TEXT(buf_text(&name), "a b.nii");
-    CHECK(command_opens(&name, &is_scene, "channel a.nii name=b") && !is_scene);
+    CHECK(command_opens(&name, &is_scene, "channel 'a crop=b' name=\"b data=c\"") && !is_scene);
+    CHECK_TEXT(buf_text(&name), "a crop=b");
     static const char *const others[] = {"mask a.nii",
                                          "open volume=2",
                                          "open a.nii reduce=2",
                                          "open a.nii crop=1-2,1-2,1-2",
+                                         "open\ta.nii\tcrop=1-2,1-2,1-2",
+                                         "open a.nii 'reduce=2'",
+                                         "open a.nii b.nii",
                                          "open raw:a size=2,2,2",
                                          "channel a.nii resample=nearest",
                                          "channel a.h5 data=/b"};

@@ -676,27 +676,31 @@ struct label_set call_takes(const struct call *call)
 
 bool command_opens(struct buf *name, bool *is_scene, const char *line)
 {
-    static const char *const part[2][3] = {{" data=", " resample=", " crop="},
-                                           {" crop=", " reduce=", " size="}};
+    static const char *const parts[] = {"data|resample", "crop|reduce|size"};
     static const struct value none[PARAMETERS_MOST];
     const struct command *command = NULL;
-    const char *const whole = line;
-    bool found = false;
-    for (scan_blanks(&line); *line && !found; scan_blanks(&line)) {
-        buf_clear(name);
-        if (!command_take_word(&line, name, COMMAND_QUOTES))
+    OWNED(buf_release) struct buf whole = {0};
+    unsigned files = 0;
+    for (scan_blanks(&line); *line; scan_blanks(&line)) {
+        buf_clear(&whole);
+        if (!command_take_word(&line, &whole, COMMAND_QUOTES))
             return false;
-        const char *word = buf_text(name);
-        if (command)
-            found = command_parameter_for(command, none, &word) == 0;
-        else if (!(command = command_find(word)) ||
-                 !(command->parameter->is_scene || command->parameter->is_channel))
+        const char *word = buf_text(&whole);
+        const int i = command ? command_parameter_for(command, none, &word) : -1;
+        const struct parameter *p = i < 0 ? NULL : command->parameter + i;
+        if (!command && !(command = command_find(word)))
             return false;
+        *is_scene = command->parameter->is_scene;
+        if (!(*is_scene || command->parameter->is_channel) ||
+            (p && choice_find(parts[*is_scene], p->name) >= 0))
+            return false;
+        if (i == 0 && files++ == 0) {
+            buf_clear(name);
+            buf_add_text(name, word);
+        }
     }
-    *is_scene = command && command->parameter->is_scene;
-    for (int i = 0; found && i < 3; i++)
-        found = !strstr(whole, part[*is_scene][i]);
-    return found;
+    name->failed |= whole.failed;
+    return files == 1;
 }
 
 bool command_is_same(const char *a, const char *b)
