@@ -71,6 +71,9 @@ refused "the map has 26x22x13 voxels, the scene 13x11x7, and its file 26x22x14; 
 the grid of the scene or of its file, and DICOM SEG lacks planes without segments; otherwise use \
 resample=yes, for its nearest voxels" "open ct reduce=2; labels binary.dcm"
 answers "resampled from 26x22x13 voxels" "open ct reduce=2; labels binary.dcm resample=yes"
+for how in "" resample=yes; do # without what was there before
+    labelled "labels.twin.nii; labels few.dcm $how" few
+done
 
 begin "a voxel of a SEG elsewhere is not tested by a proof"
 mkdir here

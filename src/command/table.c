@@ -422,7 +422,8 @@ static const struct command command_table[] = {
      "none: leave them to the surrounding trees. keep: exclude them from the region of interest; "
      "`save labels` writes their values back. Use keep to correct some of many objects.\n"
      "resample=yes with a map of a part of the scene, such as a corrected crop: voxels outside the "
-     "part keep their labels; without labels they are background." MAP_NOTE,
+     "part keep their labels; without labels they are background. Outside the segments of a DICOM "
+     "SEG they are background, as without resample." MAP_NOTE,
      "labels model.nii.gz erode=3"},
     {CALLED("object", "threshold|grow|flood", act_object, GROUP_SEEDS, R | S | E | P),
      {NEED("LABEL", VALUE_LABEL, .most = 255), NEED("HOW", VALUE_CHOICE, .choices = "threshold"),
