@@ -150,6 +150,11 @@ codes_of() {
 begin "codes are read, set, undone, written to each format and read back"
 liver=SCT:10200004:Liver
 same "$(codes_of "labels binary.dcm")" "1 $liver, 2 $liver, 3 $liver"
+echo '1 liver 9 9 9 0
+2 colon 9 9 9 0' >names.ctab
+same "$(codes_of "label-file names.ctab; labels binary.dcm")" "1 $liver, 2 , 3 $liver"
+answers "1 label with another name than before, whose code remains" \
+    "open ct; labels binary.dcm; label-file names.ctab"
 "$iftty" -c "open ct; labels binary.dcm" >"$work/out"
 out_has "3 codes from the file"
 grep -q "more in the file" "$work/out" && fail "nothing is lost"

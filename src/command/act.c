@@ -151,8 +151,17 @@ enum err act_label_file(const struct act *act)
             : label_table_read(&table, buf_text(text), text->length, false, act->fault)));
     TRY(act_prefix_file(act,
                         label_table_apply(&act->next->kept, &tally, &table, &regions, act->fault)));
+    const struct kept *was = &act->session->now.kept;
+    unsigned codes = 0;
+    for (int l = 1; l < 256; l++)
+        codes += *was->label_code[l] && strcmp(was->label_name[l], act->next->kept.label_name[l]);
     buf_printf(out, "%u name%s and %u colour%s of labels\n", tally.names, plural(tally.names),
                tally.colours, plural(tally.colours));
+    if (codes)
+        buf_printf(out,
+                   "%u label%s with another name than before, whose code remains: `label N "
+                   "NAME code=none` removes it\n",
+                   codes, plural(codes));
     if (tally.beyond && !act_has(act, "regions"))
         buf_printf(out, "%u more entr%s for no label; choose with regions=A,B as=1,2\n",
                    tally.beyond, tally.beyond == 1 ? "y is" : "ies are");

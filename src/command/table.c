@@ -285,7 +285,7 @@ static const struct command command_table[] = {
      "read names and colours of labels from a table",
      "FILE is a label description of ITK-SNAP, a colour table of FreeSurfer or 3D Slicer, a "
      "dseg.tsv of BIDS, or the .nii.txt or .lut of an atlas of mricron. The number of an entry is "
-     "its label; label 0 does not change. `save names` writes such tables.\n"
+     "its label; label 0 does not change. These tables have no codes. `save names` writes them.\n"
      "regions: read only the entries with these numbers.\n"
      "as: the labels of `regions`, one for each.",
      "label-file aal.nii.txt regions=1-90"},

@@ -440,10 +440,10 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
                     reader.header.volumes, reader.header.contents);
     if (err)
         return err;
-    err = place->is_copy ? map_check_axes(map, place->geometry, fault)
-                         : regrid(map, place->grid->size, place->geometry,
-                                  how_of(place, &reader.header),
-                                  reader.header.is_segments ? NULL : place->beyond, watch, fault);
+    err = place->is_copy
+              ? map_check_axes(map, place->geometry, fault)
+              : regrid(map, place->grid->size, place->geometry, how_of(place, &reader.header),
+                       reader.header.is_segments ? NULL : place->beyond, watch, fault);
     return prefix_file(path, err, fault);
 }
 

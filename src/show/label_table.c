@@ -456,10 +456,11 @@ void label_table_fill(struct kept *kept, struct label_tally *tally, const struct
     for (size_t i = 0; i < table->count; i++) {
         struct label_entry entry = table->entry[i];
         const uint8_t *rgb = kept->palette.rgb[entry.number];
-        if (*kept->label_name[entry.number])
+        const char *name = kept->label_name[entry.number];
+        if (*kept->label_code[entry.number] || (*name && strcmp(name, entry.name) != 0))
+            *entry.code = '\0'; /* it would be the code of another name */
+        if (*name)
             *entry.name = '\0';
-        if (*kept->label_code[entry.number])
-            *entry.code = '\0';
         entry.has_colour = entry.has_colour &&
                            memcmp(rgb, usual.rgb[entry.number], sizeof entry.rgb) == 0 &&
                            memcmp(rgb, entry.rgb, sizeof entry.rgb) != 0;

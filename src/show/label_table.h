@@ -79,7 +79,7 @@ enum err label_table_apply(struct kept *kept, struct label_tally *tally,
                            struct fault *fault);
 
 /* Set the names and codes of labels that have none, and the colours of labels that have those of
- * palette_default; the number of each entry is its label. */
+ * palette_default; the number of each entry is its label. A label with another name gets no code. */
 void label_table_fill(struct kept *kept, struct label_tally *tally,
                       const struct label_table *table);
 
