@@ -79,7 +79,8 @@ enum err label_table_apply(struct kept *kept, struct label_tally *tally,
                            struct fault *fault);
 
 /* Set the names and codes of labels that have none, and the colours of labels that have those of
- * palette_default; the number of each entry is its label. A label with another name gets no code. */
+ * palette_default; the number of each entry is its label. A label with a name of its own gets only
+ * the code of this name. */
 void label_table_fill(struct kept *kept, struct label_tally *tally,
                       const struct label_table *table);
 
