@@ -839,23 +839,22 @@ STORY(commands_are_the_same_wherever_their_file_is_seen_from)
         CHECK(command_is_same(pair[i].b, pair[i].a) == pair[i].are_same);
     }
     OWNED(buf_release) struct buf name = {0};
-    bool is_scene;
-    CHECK(command_opens(&name, &is_scene, "open volume=2 \"a b.nii\" series=2") && is_scene);
+    bool is_scene, is_part;
+    CHECK(command_opens(&name, &is_scene, &is_part, "open volume=2 \"a b.nii\" series=2") &&
+          is_scene && !is_part);
     CHECK_TEXT(buf_text(&name), "a b.nii");
-    CHECK(command_opens(&name, &is_scene, "channel 'a crop=b' name=\"b data=c\"") && !is_scene);
+    CHECK(command_opens(&name, &is_scene, &is_part, "channel 'a crop=b' name=\"b data=c\"") &&
+          !is_scene && !is_part);
     CHECK_TEXT(buf_text(&name), "a crop=b");
-    static const char *const others[] = {"mask a.nii",
-                                         "open volume=2",
-                                         "open a.nii reduce=2",
-                                         "open a.nii crop=1-2,1-2,1-2",
-                                         "open\ta.nii\tcrop=1-2,1-2,1-2",
-                                         "open a.nii 'reduce=2'",
-                                         "open a.nii b.nii",
-                                         "open raw:a size=2,2,2",
-                                         "channel a.nii resample=nearest",
-                                         "channel a.h5 data=/b"};
+    static const char *const others[] = {"mask a.nii", "open volume=2", "open a.nii b.nii",
+                                         "channel 2 percent=50"};
+    static const char *const parts[] = {"open\ta.nii\tcrop=1-2,1-2,1-2", "open a.nii 'reduce=2'",
+                                        "open raw:a size=2,2,2", "channel a.nii resample=yes",
+                                        "channel a.h5 data=/b"};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
-        CHECK(!command_opens(&name, &is_scene, others[i]));
+        CHECK(!command_opens(&name, &is_scene, &is_part, others[i]));
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        CHECK(command_opens(&name, &is_scene, &is_part, parts[i]) && is_part);
 }
 
 /* Create files with names of all kinds in a folder, and change to it. */

@@ -112,9 +112,9 @@ void command_write_word(struct buf *out, const char *word);
 /* Add the canonical form of a call. */
 void command_write(struct buf *out, const struct call *call);
 
-/* True if the line opens a whole scene, or reads a channel of a whole file on the scene's grid; the
- * name of its file. */
-bool command_opens(struct buf *name, bool *is_scene, const char *line);
+/* True if the line opens a scene or reads a channel; the name of its file. *is_part: not a whole
+ * file, or a channel that may be on another grid than the scene's. */
+bool command_opens(struct buf *name, bool *is_scene, bool *is_part, const char *line);
 
 /* True if both lines are the same command. The file that it reads may be seen from different
  * folders. */

@@ -674,13 +674,14 @@ struct label_set call_takes(const struct call *call)
 
 /* ---- comparing lines ---- */
 
-bool command_opens(struct buf *name, bool *is_scene, const char *line)
+bool command_opens(struct buf *name, bool *is_scene, bool *is_part, const char *line)
 {
     static const char *const parts[] = {"data|resample", "crop|reduce|size"};
     static const struct value none[PARAMETERS_MOST];
     const struct command *command = NULL;
     OWNED(buf_release) struct buf whole = {0};
     unsigned files = 0;
+    *is_part = false;
     for (scan_blanks(&line); *line; scan_blanks(&line)) {
         buf_clear(&whole);
         if (!command_take_word(&line, &whole, COMMAND_QUOTES))
@@ -691,10 +692,10 @@ bool command_opens(struct buf *name, bool *is_scene, const char *line)
         if (!command && !(command = command_find(word)))
             return false;
         *is_scene = command->parameter->is_scene;
-        if (!(*is_scene || command->parameter->is_channel) ||
-            (p && choice_find(parts[*is_scene], p->name) >= 0))
+        if (!(*is_scene || command->parameter->is_channel))
             return false;
-        if (i == 0 && files++ == 0) {
+        *is_part |= p && choice_find(parts[*is_scene], p->name) >= 0;
+        if (i == 0 && !(p->choices && choice_find(p->choices, word) >= 0) && files++ == 0) {
             buf_clear(name);
             buf_add_text(name, word);
         }

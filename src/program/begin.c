@@ -176,7 +176,7 @@ static enum err add_path(struct linked *linked, const char *path, struct fault *
 }
 
 /* Find the files outside the journal's folder that T1 (command/trust.h) reads by the proof in a
- * record. An unreadable journal is left to the replay. */
+ * record, except files that options replace. An unreadable journal is left to the replay. */
 static enum err find_outside(struct linked *found, const struct options *o, const char *journal,
                              struct fault *fault)
 {
@@ -184,12 +184,17 @@ static enum err find_outside(struct linked *found, const struct options *o, cons
     OWNED(walk_release) struct walk walk = {0};
     struct record record;
     struct record_word word;
-    bool is_scene;
+    const char *const *channel = o->channel;
+    bool is_scene, is_part;
     if (!file_exists(journal) || walk_file(&walk, &bytes, journal, NULL) != OK)
         return OK;
     while (found->count < OUTSIDE_MOST && walk_next(&walk, &record) == WALK_RECORD) {
         buf_clear(&path);
-        if (command_opens(&name, &is_scene, record.command) && !(is_scene && o->scene) &&
+        if (!command_opens(&name, &is_scene, &is_part, record.command))
+            continue;
+        const bool is_given = is_scene ? o->scene != NULL : *channel != NULL;
+        channel += !is_scene && is_given;
+        if (!is_given && !is_part &&
             record_word_find(record.result, "sha256", strlen("sha256"), &word) &&
             trust_find_outside(&path, journal, interpreter_scenes(), buf_text(&name)))
             TRY(add_path(found, buf_text(&path), fault));
