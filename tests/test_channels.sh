@@ -30,7 +30,7 @@ expect 0 "$iftty" -c "open case_0000.nii; channel case_0001.nii name=FLAIR; $see
 for label in 1 2; do
     [ "$(dice $label)" -ge 800 ] || fail "label $label: $(dice $label)"
 done
-out_has 'case_0001.nii may be a further channel: `channel case_0001.nii`'
+out_has 'other files of this case may be channels: `channel case_0001.nii`'
 expect 0 "$iftty" -c "open case_0000.nii; $seeds; compare truth.nii"
 [ "$(dice 2)" -lt 300 ] || fail "the first channel alone has an edge there: $(dice 2)"
 expect 0 "$iftty" verify j.iftty
@@ -222,6 +222,13 @@ for program in "" serve; do
     same "$("$iftty" log --script files.iftty | grep -v '^#' | tr '\n' ';')" \
         "open case_0000.nii weight=morph;channel case_0001.nii;auto on;"
 done
+cp case_0000.nii a_0001_0002.nii
+cp case_0001.nii "here/b b_0003.nii"
+cp case_0001.nii "here/b b_0007.nii"
+"$iftty" case_0000.nii case_0001.nii </dev/null >out 2>&1
+"$iftty" -c "open a_0001_0002.nii" >>out
+grep "may be" out && fail "no file is to be added"
+answers '`channel "here/b b_0007.nii"`' "open 'here/b b_0003.nii'"
 rm -f files.iftty
 expect 3 "$iftty" case_0000.nii small.nii --journal files.iftty </dev/null
 cp case_0000.nii here/whole

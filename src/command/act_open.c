@@ -282,25 +282,30 @@ static void write_canonical(const struct act *act, bool has_weight)
     }
 }
 
-/* Name the next file of a case whose channels have files of their own, CASE_0000.nii.gz and so on,
- * if there is one. */
-static void offer_channel(const struct act *act, const char *path, const char *name)
+/* Name the other files of a case whose channels have files of their own, CASE_0000.nii.gz and so
+ * on. */
+static void offer_channels(const struct act *act, const char *path, const char *name)
 {
-    const char *found = strstr(file_name(path), "_0000.");
-    struct buf *next = act_buf(act);
-    if (!found || act->interp->mode != MODE_LIVE)
+    const char *found = strrchr(file_name(path), '_');
+    struct buf *next = act_buf(act), *out = &act->reply->text;
+    const char *before = "other files of this case may be channels: `channel ";
+    if (!found || strncmp(found, "_000", 4) != 0 || found[4] < '0' || found[4] > '7' ||
+        found[5] != '.' || act->interp->has_channels || act->interp->mode != MODE_LIVE)
         return;
-    buf_add_text(next, path);
-    next->data[found - path + 4] = '1';
-    if (next->failed || !file_exists(buf_text(next)))
-        return;
-    buf_add_safe_text(&act->reply->text, file_name(buf_text(next)));
-    buf_add_text(&act->reply->text, " may be a further channel: `channel ");
-    buf_clear(next);
-    buf_add_text(next, name);
-    next->data[strlen(name) - strlen(found) + 4] = '1';
-    buf_add_safe_text(&act->reply->text, buf_text(next));
-    buf_add_text(&act->reply->text, "`\n");
+    for (char digit = '0'; digit <= '7'; digit++) {
+        buf_clear(next);
+        buf_add(next, path, (size_t)(found - path) + 4);
+        buf_printf(next, "%c%s", digit, found + 5);
+        if (next->failed || digit == found[4] || !file_exists(buf_text(next)))
+            continue;
+        buf_clear(next);
+        buf_add(next, name, strlen(name) - strlen(found) + 4);
+        buf_printf(next, "%c%s", digit, found + 5);
+        buf_add_text(out, before);
+        command_write_word(out, buf_text(next));
+        before = "`, `channel ";
+    }
+    buf_add_text(out, *before == '`' ? "`\n" : "");
 }
 
 void act_add_levels(const struct act *act, const struct levels *levels)
@@ -342,7 +347,7 @@ enum err act_open(const struct act *act)
     write_scene(act);
     write_orientation(act);
     if (!by_proof)
-        offer_channel(act, buf_text(path), name);
+        offer_channels(act, buf_text(path), name);
     act_add_levels(act, session->levels);
     if (*session->proof)
         buf_printf(&act->reply->words, " sha256=%s", session->proof);

@@ -102,6 +102,7 @@ struct interpreter {
     uint64_t losses_of;   /* the finish (session_finish_source) of the last search for losses, */
     bool names_loss[256]; /* and the labels with a loss, which the user has seen */
     bool has_options;     /* the parameters of `open` come from options of a program */
+    bool has_channels;    /* the command line names channels */
     bool has_pilot;       /* at a terminal: `pilot` is available, shown labels are the default */
     bool has_blocks;      /* charts are drawn with the blocks of UTF-8 */
     void (*add_keys)(struct buf *out); /* adds the text of `help keys`, or NULL */

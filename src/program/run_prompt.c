@@ -387,6 +387,7 @@ static enum err begin_session(void *context, struct buf *output, struct fault *f
         return err;
     }
     prompt->is_empty = !prompt->first;
+    prompt->interp.has_channels = prompt->channels > 0;
     if (prompt->first) {
         for (int i = 0; i <= prompt->channels; i++) {
             begin_opening(&line, i ? prompt->channel[i - 1] : prompt->first, i > 0);

@@ -227,6 +227,7 @@ static enum err begin_session(struct server *s, const struct options *o, struct 
         err = exchange_begin(&s->exchange, fault);
     if (!err && journal)
         err = interpreter_resume_journal(&s->interp, journal, told, fault);
+    s->interp.has_channels = o->words > 1;
     for (int i = 0; !err && i < o->words && !resumes; i++) {
         begin_opening(&line, o->word[i], i > 0);
         err = interpreter_execute(&s->interp, buf_text(&line), &s->reply, fault);

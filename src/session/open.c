@@ -260,7 +260,8 @@ enum err session_open(struct session *session, const char *path, const struct vo
 {
     const bool is_synthetic = strncmp(path, "synth:", 6) == 0;
     if (session->has_scene)
-        return fault_set(fault, ERR_USAGE, "a scene is open already; a session has one scene");
+        return fault_set(fault, ERR_USAGE,
+                         "a scene is open already; `channel FILE` adds a channel to it");
     session->part = (struct map_part){0};
     if (is_synthetic && choice && (choice->has_volume || choice->has_crop || choice->reduce))
         return fault_set(fault, ERR_USAGE,
