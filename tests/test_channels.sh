@@ -14,6 +14,10 @@ for ball, name in zip(balls, "ab"):
     save((voxels / 7).astype(numpy.float32), f"{name}-real.nii")
 save(numpy.where(balls[0], 1, numpy.where(balls[1], 2, 0)).astype(numpy.uint8), "truth.nii")
 save(numpy.zeros((9, 9, 9), numpy.int16), "small.nii")
+voxels = noise.normal(0, 9, ball.shape).astype(numpy.float32)
+voxels[1, 1, 1], voxels[2, 2, 2] = 1e12, numpy.nan
+save(voxels, "outlier.nii")
+save(noise.normal(0, 9e6, ball.shape).astype(numpy.int32), "wide.nii")
 END
 seeds='seed 20,25,20 1 radius=3; seed 42,25,20 2 radius=3; seed 30,5,5 0 radius=3
     seed 31,45,35 0 radius=3; run'
@@ -45,6 +49,19 @@ expect 0 "$iftty" -c "open case_0000.nii; channel case_0000.nii; $seeds; finish 
 expect 0 "$iftty" -c "open case_0000.nii; $seeds; finish relax; save labels one.nii finished=yes"
 same "$(last one.iftty forest)" "$(last two.iftty forest)"
 same_files one.nii two.nii
+for name in outlier wide; do # read as a scene is, not as numbers of labels
+    for part in "" reduce=2 "crop=1-40,1-30,1-20 reduce=2"; do
+        rm one.iftty two.iftty
+        grow="seed 1,1,1 1; seed 9,9,9 2; run; why 4,4,4"
+        expect 0 "$iftty" -c "open $name.nii $part; $grow" --journal one.iftty
+        grep voxel.4,4 out | sed 's/intensity/intensity in channel 2:/' >seen
+        expect 0 "$iftty" -c "open $name.nii $part; channel $name.nii; show-channel 2; $grow" \
+            --journal two.iftty
+        same "$name $part $(last one.iftty forest)" "$name $part $(last two.iftty forest)"
+        same "$(cat seen)" "$(grep voxel.4,4 out)"
+        expect 0 "$iftty" verify two.iftty
+    done
+done
 
 begin "only pictures and figures depend on the channel that is shown"
 for show in 1 2; do

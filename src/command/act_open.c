@@ -311,9 +311,9 @@ static void offer_channels(const struct act *act, const char *path, const char *
 void act_add_levels(const struct act *act, const struct levels *levels)
 {
     if (levels)
-        buf_printf(&act->reply->words, " scale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
-                   levels->ends[0], levels->ends[1], levels->beyond[0], levels->beyond[1],
-                   (unsigned long long)levels_digest(levels));
+        buf_printf(&act->reply->words, "%sscale=%.17g..%.17g beyond=%zu,%zu values=%016llx",
+                   act->reply->words.length ? " " : "", levels->ends[0], levels->ends[1],
+                   levels->beyond[0], levels->beyond[1], (unsigned long long)levels_digest(levels));
 }
 
 enum err act_open(const struct act *act)

@@ -80,11 +80,14 @@ static enum err check_channels(const struct act *act, enum weight_kind kind)
 
 /* Read a channel; its proof is that of a scene with these voxels. */
 static enum err read_volume(struct volume *volume, char proof[SHA256_HEX], const struct act *act,
-                            const struct map_place *place, const char *path, struct fault *fault)
+                            const char *recorded, const char *path, struct fault *fault)
 {
     struct watch *watch = act->session->watch;
     struct scene scene = *act->session->scene;
-    TRY(map_read(volume, path, place, watch, fault));
+    struct map_place place = act_map_place(act);
+    place.is_channel = true;
+    place.choice.proof = recorded;
+    TRY(map_read(volume, path, &place, watch, fault));
     scene.plain = volume->intensity;
     scene_proof(proof, &scene);
     return watch_fault(watch, fault);
@@ -95,15 +98,13 @@ static enum err read_volume(struct volume *volume, char proof[SHA256_HEX], const
 static enum err read_outside(struct volume *volume, const struct act *act, const char *recorded)
 {
     struct watch *watch = act->session->watch;
-    struct map_place place = act_map_place(act);
     struct buf *path = act_buf(act);
     struct fault unsaid = {0};
     char proof[SHA256_HEX] = "";
-    place.choice.proof = recorded;
     if (watch)
         watch->is_quiet = true;
     if (!interpreter_find_outside(act->interp, true, act_text(act, "FILE"), path) ||
-        read_volume(volume, proof, act, &place, buf_text(path), &unsaid) != OK ||
+        read_volume(volume, proof, act, recorded, buf_text(path), &unsaid) != OK ||
         strcmp(proof, recorded) != 0)
         volume_release(volume);
     if (watch)
@@ -115,7 +116,6 @@ static enum err read_outside(struct volume *volume, const struct act *act, const
 static enum err read_channel(struct channel_values **values, const struct act *act)
 {
     struct session *session = act->session;
-    const struct map_place place = act_map_place(act);
     struct interpreter *interp = act->interp;
     OWNED(volume_release) struct volume volume = {0};
     struct buf *path = act_buf(act);
@@ -128,7 +128,7 @@ static enum err read_channel(struct channel_values **values, const struct act *a
     if (!volume.intensity) {
         TRY(interpreter_find_scene(interp, true, act_text(act, "FILE"), by_proof, path,
                                    act->fault));
-        TRY(read_volume(&volume, proof, act, &place, buf_text(path), act->fault));
+        TRY(read_volume(&volume, proof, act, NULL, buf_text(path), act->fault));
     }
     if (interp->mode != MODE_LIVE && interp->channel_path && *interp->channel_path)
         interp->channel_path++;

@@ -359,7 +359,7 @@ static enum err choose_voxels(struct volume_reader *reader, const struct map_pla
                             geometry_has_place(&header->geometry) &&
                             geometry_has_place(place->geometry); /* then all of it is needed */
     struct volume_choice choice = place->choice;
-    choice.nearest = choice.by_extremes = true;
+    choice.nearest = choice.by_extremes = !place->is_channel;
     struct regrid_order order;
     if (part && !is_shifted && same_size(size, part->size) &&
         regrid_check(header->size, &header->geometry, size, place->geometry, false, NULL) &&

@@ -83,6 +83,7 @@ struct map_place {
      * threshold, and the command for messages. */
     struct volume_choice choice;
     enum regrid_how resample; /* resample a map on another grid, nearest voxel (image/regrid.h) */
+    bool is_channel;          /* read intensities as those of a scene, not as numbers of labels */
     bool is_copy;             /* the map was written on this grid: compare only sizes and axes */
     uint8_t *beyond;          /* receives 1 for voxels outside the map, [voxels], all 0; or NULL */
     struct buf *names;        /* receives the file's table of labels (image/names.h); or NULL */
@@ -91,7 +92,7 @@ struct map_place {
 /* Read a map on the scene's grid by volume_read; resample or reject another grid. Size and
  * position are checked before a voxel is read, so that memory is bounded by the scene, or by the
  * user's choice. If the scene is a part of its file and the map covers that file, read the same
- * part, and the middle voxel of each block. Watched, as volume_read is. An error names the file;
+ * part, and the middle voxel of each block; of a channel the mean. Watched, as volume_read is. An error names the file;
  * notes of the map say how it was converted. */
 enum err map_read(struct volume *map, const char *path, const struct map_place *place,
                   struct watch *watch, struct fault *fault);
