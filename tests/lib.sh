@@ -79,6 +79,16 @@ finish() {
     exit
 }
 
+# A copy of the tree in $work/tree with all that was built, times of files too, so that make builds
+# no more than it has to. Only the release is copied.
+copy_tree() {
+    [ "$build" = "$top/build" ] || { skip "only the release is copied"; return 1; }
+    mkdir -p "$work/tree/build"
+    (cd "$top" && cp -a Makefile .ci src journal render tui tests "$work/tree/" &&
+        cp -a build/.packages build/src build/journal build/render build/tui build/iftty* \
+            "$work/tree/build/")
+}
+
 # For scripts that mount a disk: restart the script in its own mount namespace.
 # private_mounts SCRIPT; then can_mount holds, or the kernel does not let us.
 private_mounts() {

@@ -1,9 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# After a change of pictures: examples/, and the journal of the present semantics in tests/journals,
-# made again with their golden images and locks. Each is run as a script into a new journal. All are
-# replaced, or none: every command, comment and word of a record must be unchanged, except for words
-# of pictures (picture, spin, names) and the chain; a record may have more words.
+# After a change of pictures: examples/, and the journals of the present semantics in
+# tests/journals, made again with their golden images. Each is run as a script into a new journal,
+# without signatures. All are replaced, or none: every command, comment and word of a record must be
+# unchanged, except for words of pictures (picture, spin, names) and the chain; a record may have
+# more words.
 #
 #     remake.sh BUILD [NAME...]   the words of the examples with these names may differ; what does
 #                                 is printed
@@ -53,7 +54,7 @@ remake() { # JOURNAL
     to=$made/$1
     mkdir -p "${to%.iftty}.golden"
     cp "${1%.iftty}.golden"/labels-* "${to%.iftty}.golden" 2>/dev/null
-    sed 1d "$1" >"$to.before"
+    sed '1d; /^#@ /d' "$1" >"$to.before"
     grep -v '^= ' "$to.before" >"$to.script"
     "$iftty" run "$to.script" --journal "$to" --out "$to.out" >"$to.log" 2>&1 ||
         { echo "$1 cannot be carried out:"; tail -n 3 "$to.log"; return 1; }
@@ -66,8 +67,8 @@ remake() { # JOURNAL
 examples/scenes.sh "$made/scenes" || exit 1
 IFTTY_SCENES=/usr/share/mricron/templates:$(cd "$made/scenes" && pwd)
 export IFTTY_SCENES
-cp tests/journals/*.nii.gz tests/journals/*.ctab "$made/tests/journals"
-journals="$(ls examples/*.iftty) tests/journals/semantics-$present.iftty" status=0
+cp tests/journals/*.nii.gz tests/journals/*.c* "$made/tests/journals"
+journals="$(ls examples/*.iftty tests/journals/*-"$present".iftty)" status=0
 for journal in $journals; do
     remake "$journal" || status=1
 done

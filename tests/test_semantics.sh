@@ -1,18 +1,20 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Meanings are versioned: tests/journals has a journal of every number from 12 on, made by a program
-# of its time. Each is verified and continued under its own meaning. Other numbers are refused.
+# Meanings are versioned: tests/journals has journals NAME-N.iftty of every number N from 12 on,
+# made by a program of its time. Each is verified and continued under its own meaning. Other numbers
+# are refused.
 . "$(dirname "$0")/lib.sh"
 journals=$top/tests/journals
-cp "$journals"/*.nii.gz "$journals/names.ctab" .
+cp "$journals"/*.nii.gz "$journals"/*.c* .
 first=12
 current=$("$iftty" info | sed -n 's/^semantics //p')
 
-take() { # NUMBER: a copy, with its golden images
+take() { # NAME: a copy, with its golden images
     rm -rf j.iftty j.golden
-    cp "$journals/semantics-$1.iftty" j.iftty
-    cp -r "$journals/semantics-$1.golden" j.golden
+    cp "$journals/$1.iftty" j.iftty
+    cp -r "$journals/$1.golden" j.golden
 }
+names=$(cd "$journals" && ls ./*.iftty | sed 's|./||; s/[.]iftty//')
 
 begin "there is a journal of every number up to the present one"
 [ "$current" -ge $first ] || fail "number $current"
@@ -25,10 +27,10 @@ expect 0 env CI=true "$iftty" verify "$journals"
 out_has "# $(find "$journals" -name '*.iftty' | wc -l) verified, 0 failed"
 
 begin "each is verified under its own meaning"
-for number in $(seq $first "$current"); do
-    take "$number"
+for name in $names; do
+    take "$name"
     expect 0 "$iftty" verify --strict j.iftty
-    [ "$(grep -c '^= .* forest=' j.iftty)" -gt 3 ] || fail "$number: nothing is compared"
+    [ "$(grep -c '^= .* forest=' j.iftty)" -gt 3 ] || fail "$name: nothing is compared"
     for key in forest labels weights; do
         sed "0,/ $key=[0-9a-f]*/s// $key=0123456789abcdef/" j.iftty >before
         chain_anew before other.iftty
@@ -49,15 +51,42 @@ weight morph
 remove 4,4,3
 render
 EOF
-for number in $(seq $first "$current"); do
-    take "$number"
+for name in $names; do
+    take "$name"
     cp j.iftty former
     expect 0 "$iftty" run more --journal j.iftty
-    cmp -s -n "$(wc -c <former)" former j.iftty || fail "$number: what was there has changed"
+    cmp -s -n "$(wc -c <former)" former j.iftty || fail "$name: what was there has changed"
     [ "$(grep -c '^= ' j.iftty)" = $(($(grep -c '^= ' former) + 7)) ] ||
-        fail "$number: $(tail -3 j.iftty)"
+        fail "$name: $(tail -3 j.iftty)"
     expect 0 "$iftty" verify j.iftty
 done
+
+begin "commands of every number have the canonical form that they had"
+for name in $names; do
+    take "$name"
+    expect 0 "$iftty" log --script j.iftty
+    cp "$work/out" printed
+    mkdir again.golden
+    cp j.golden/labels-* again.golden
+    expect 0 "$iftty" run printed --journal again.iftty --out again.out
+    sed '1d; /^=/d; /^#@/d' j.iftty >then
+    sed '1d; /^=/d' again.iftty | diff then - >different || fail "$name: $(cat different)"
+    rm -rf again.*
+done
+
+# By tests/promises.txt, which test_promises compares with the table of commands.
+begin "the journals of the present number have every recorded command and its parameters"
+not_recorded=' compare hint hints history info journal measure pick profile quit stats sync why '
+of_files=' data= empty= finished= identity= replace= resample= threshold= times= volume= '
+grep -h '^[^=#]' "$journals"/*-"$current".iftty >commands
+sed -n 's/^command \([a-z-]*\)\( [a-z]*=\)\{0,1\}$/\1 \2/p' "$top/tests/promises.txt" >table
+while read -r name key; do
+    case $not_recorded in *" $name "*) continue ;; esac
+    case $name in open | origin) key= ;; esac
+    case $of_files in *" ${key:--} "*) continue ;; esac
+    grep -q "^$name\( .*\)\{0,1\}${key:+ $key}" commands || fail "no $name $key"
+done <table
+[ "$(wc -l <table)" -gt 150 ] || fail "few lines: $(wc -l <table)"
 
 # refused WORDS COMMAND...: status 3, one line with these words, and the journal is left alone
 refused() {
@@ -71,7 +100,7 @@ refused() {
 }
 # refused_everywhere NUMBER WORDS: by whatever carries the commands of a journal out
 refused_everywhere() {
-    take "$current"
+    take "semantics-$current"
     sed "1s/semantics .*/semantics $1/" j.iftty >before
     chain_anew before other.iftty
     rm -rf other.golden
@@ -130,5 +159,29 @@ for wrong in morph: morph:4 morph:x sobel:1 gauss gauss:0.1 gauss:9 gauss: weigh
     err_has "weight: expected "
     ! grep -q "^open" new.iftty || fail "$wrong was recorded"
 done
+
+# Only the files that read SEMANTICS are compiled again.
+begin "the new meaning in src/README.md is that of new journals; those of 12 keep theirs"
+if copy_tree; then
+    sed -n '/^```diff/,/^```$/p' "$top/src/README.md" | grep -v '^```' >patch
+    expect_in tree 0 git apply --unidiff-zero "$work/patch"
+    touch $(grep -l SEMANTICS -r tree/src --include='*.c')
+    expect 0 make -C tree -o src/session/session.h VARIANT=release SANITISE= build/iftty
+    next=$work/tree/build/iftty number=$((current + 1))
+    grep -q "^| $number " tree/journal/FORMAT.md || fail "no row"
+    expect 0 env CI=true "$next" verify "$journals"
+    seeds='seed 12,3,3 2; run' # of one voxel, or of seven
+    take "semantics-$current"
+    cp j.iftty other.iftty
+    expect 0 "$iftty" -c "$seeds" --journal j.iftty --out old
+    expect 0 "$next" -c "$seeds" --journal other.iftty --out old
+    same_files j.iftty other.iftty
+    expect 0 "$next" -c "open scene.nii.gz; $seeds" --journal next.iftty
+    same "$(sed 1q next.iftty), $(last_word seeds next.iftty)" \
+        "# iftty journal 1 semantics $number, 7"
+    expect 0 "$next" verify next.iftty
+    expect_out "it has semantics $number, and this program knows $current: a newer iftty" \
+        3 "$iftty" verify next.iftty
+fi
 
 finish

@@ -116,12 +116,12 @@ void session_reset(struct session *session);
  * Semantics: the version of the meaning of commands and of their results.
  *
  * A journal has its number in line 1 (journal/FORMAT.md), a session has the number of its journal,
- * and new journals have SEMANTICS. Each change of meaning increments SEMANTICS and is described in
- * FORMAT.md. The affected code tests session->semantics, and keeps the former meaning for older
- * journals.
+ * and new journals have SEMANTICS. Each change of meaning increments SEMANTICS and is a row of a
+ * table in FORMAT.md. The affected code tests session->semantics, and keeps the former meaning for
+ * older journals; src/README.md has an example.
  *
- * Number 12 is that of version 1.0; its meaning may change until 1.0 is frozen. Numbers below
- * SEMANTICS_LEAST are those of development versions and are rejected.
+ * Number 12 is that of version 1.0, and final. Numbers below SEMANTICS_LEAST are those of
+ * development versions and are rejected.
  */
 enum { SEMANTICS = 12, SEMANTICS_LEAST = 12 };
 
