@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The names that 1.0 promises (.package/PROMISES.md) equal tests/promises.txt: commands, their
- * parameters and choices, lines in canonical form, exit statuses. A new name needs a new line
+ * parameters and choices, programs and their options, exit statuses. A new name needs a new line
  * there. A line that is removed or changed breaks a promise, which tests/test_promises.sh detects.
  */
 #include "base/file.h"
@@ -50,20 +50,28 @@ static void add_choices(struct buf *out, const char *before, const char *choices
     }
 }
 
+/* A command or program that the file does not promise. */
+static bool is_for_people(const char *name)
+{
+    OWNED(buf_release) struct buf line = {0};
+    buf_printf(&line, "people %s", name);
+    return has_line(&frozen, buf_text(&line));
+}
+
 static void add_command(struct buf *out, const struct command *c)
 {
     OWNED(buf_release) struct buf of = {0};
     int place = 0;
+    if (is_for_people(c->name))
+        return;
     buf_printf(out, "command %s\n", c->name);
-    buf_printf(&of, "command %s =", c->name);
-    add_choices(out, buf_text(&of), c->also);
     for (const struct parameter *p = c->parameter; p->type; p++) {
         buf_clear(&of);
         buf_printf(&of, "command %s ", c->name);
         if (p->keyed)
             buf_printf(&of, "%s=", p->name);
         else
-            buf_printf(&of, "%d:%s", ++place, p->name);
+            buf_printf(&of, "%d", ++place);
         buf_printf(out, "%s\n", buf_text(&of));
         if (p->optional)
             buf_printf(out, "%s optional\n", buf_text(&of));
@@ -82,37 +90,6 @@ STORY(commands_and_their_parameters_have_the_names_that_they_had)
     check_kind(&now, "command");
 }
 
-/* Each "canonical LINE" is still written like that. */
-BEGUN_STORY(lines_of_journals_are_the_canonical_ones_still, begin_interpreter)
-{
-    static const char kind[] = "canonical ";
-    OWNED(buf_release) struct buf line = {0}, again = {0};
-    OWNED(mem_release) bool *seen = calloc(command_count(), sizeof *seen);
-    must(interp, "open synth:geom");
-    if (!CHECK(seen))
-        return;
-    for (const char *at = buf_text(&frozen); *at; at += *at == '\n') {
-        OWNED(call_release) struct call call = {0};
-        buf_clear(&line);
-        buf_clear(&again);
-        buf_add(&line, at, strcspn(at, "\n"));
-        at += line.length;
-        if (strncmp(buf_text(&line), kind, strlen(kind)) != 0)
-            continue;
-        const char *words = buf_text(&line) + strlen(kind);
-        if (!CHECK(command_parse(&call, words, interp->session, &fault) == OK)) {
-            printf("#   %s: %s\n", words, fault.text);
-            continue;
-        }
-        command_write(&again, &call);
-        CHECK_TEXT(buf_text(&again), words);
-        for (unsigned i = 0; i < command_count(); i++)
-            seen[i] |= command_at(i) == call.command;
-    }
-    for (unsigned i = 0; i < command_count(); i++)
-        CHECK_WITH(seen[i], "%s has no canonical line", command_at(i)->name);
-}
-
 /* With their forms and options. */
 STORY(programs_and_their_options_have_the_names_that_they_had)
 {
@@ -121,6 +98,8 @@ STORY(programs_and_their_options_have_the_names_that_they_had)
         const struct program *p = program_table.row + i;
         buf_clear(&name);
         program_add_name(&name, &program_table, p);
+        if (is_for_people(buf_text(&name)))
+            continue;
         buf_printf(&now, "program %s\n", buf_text(&name));
         for (const uint8_t *o = p->option; *o; o++)
             buf_printf(&now, "program %s takes %s\n", buf_text(&name),
