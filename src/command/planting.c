@@ -1040,14 +1040,13 @@ static void warn_of_no_other(const struct search *s)
 static enum err plant_object(struct search *s)
 {
     const struct act *act = s->act;
-    if (!s->voxels.count && act_has(act, "from"))
-        return refuse_place(s);
     if (!s->voxels.count)
-        return fault_set(
-            act->fault, ERR_INPUT,
-            "no seed of label %u is in a voxel of this range; plant one there, or name a "
-            "voxel by from=X,Y,Z (`why X,Y,Z` prints its intensity); nothing was planted",
-            act_place(act, "LABEL")[0]);
+        return act_has(act, "from")
+                   ? refuse_place(s)
+                   : fault_set(act->fault, ERR_INPUT,
+                               "no seed of label %u is in a voxel of this range; plant one there, "
+                               "or name one by from=X,Y,Z (see `why X,Y,Z`); nothing was planted",
+                               act_place(act, "LABEL")[0]);
     TRY(act_begin_exact(&s->planting, act, &s->voxels, NULL, 0));
     TRY(act_plant(act, &s->planting, s->voxels.cell, s->voxels.count, s->label));
     s->planting.unsure = 0; /* s->unsure counts them */
@@ -1058,6 +1057,7 @@ static enum err plant_object(struct search *s)
     buf_add_char(&act->reply->text, '\n');
     warn_of_no_other(s);
     act_write_unsure(act, s->planting.channel, s->unsure);
+    buf_add_blank(&act->reply->words);
     buf_printf(&act->reply->words, "added=%zu", s->planting.planted);
     act_add_markers(act);
     return OK;
