@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Records and walks in memory: what FORMAT.md says, what a cut, a flip and hostile bytes do. */
-#include <nettle/sha2.h>
-
 #include "base/buf.h"
 #include "base/file.h"
-#include "base/hash.h"
 #include "journal/journal.h"
 #include "journal/record.h"
 #include "tests/check_main.h"
@@ -141,31 +138,6 @@ STORY(the_example_in_FORMAT_is_decoded)
     }
     CHECK(walk_next_sound(&walk, &record) == WALK_END);
     CHECK_INT(walk.records, 3);
-}
-
-/* By the words of FORMAT.md and SHA-256 alone, without record.c. */
-STORY(the_chain_in_FORMAT_is_what_its_words_say)
-{
-    OWNED(buf_release) struct buf bytes = {0};
-    char chain[33] = "00000000000000000000000000000000";
-    unsigned records = 0;
-    if (!read_example(&bytes))
-        return;
-    const char *header_end = strchr(bytes.data, '\n') + 1;
-    const char *begin = header_end;
-    for (const char *mark; (mark = strstr(begin, " chain=")); records++) {
-        struct sha256_ctx sha;
-        sha256_init(&sha);
-        sha256_update(&sha, 32, (const uint8_t *)chain);
-        if (records == 0)
-            sha256_update(&sha, (size_t)(header_end - bytes.data), (const uint8_t *)bytes.data);
-        sha256_update(&sha, (size_t)(mark - begin), (const uint8_t *)begin);
-        sha256_hex(chain, &sha, 16);
-        CHECK(strncmp(mark + 7, chain, 32) == 0 && mark[39] == '\n');
-        begin = mark + 40;
-    }
-    CHECK_INT(records, 3);
-    CHECK(*begin == '\0');
 }
 
 /* ---- cuts and flips ---- */

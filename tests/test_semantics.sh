@@ -26,6 +26,10 @@ begin "all of them verify, strictly as under CI"
 expect 0 env CI=true "$iftty" verify "$journals"
 out_has "# $(find "$journals" -name '*.iftty' | wc -l) verified, 0 failed"
 
+begin "the page of the format is enough to read them, and the examples"
+expect 0 "$PYTHON" "$top/tests/read_journal.py" "$top/journal/FORMAT.md" "$journals"/*.iftty \
+    "$top"/examples/*.iftty || fail "$(tail -n 3 "$work/err")"
+
 begin "each is verified under its own meaning"
 for name in $names; do
     take "$name"
