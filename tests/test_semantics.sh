@@ -72,9 +72,10 @@ for name in $names; do
     cp "$work/out" printed
     mkdir again.golden
     cp j.golden/labels-* again.golden
-    expect 0 "$iftty" run printed --journal again.iftty --out again.out
+    expect 0 "$iftty" run printed --journal again.iftty --out again.out --who anna --times
+    expect 0 "$PYTHON" "$top/tests/read_journal.py" "$top/journal/FORMAT.md" again.iftty
     sed '1d; /^=/d; /^#@/d' j.iftty >then
-    sed '1d; /^=/d' again.iftty | diff then - >different || fail "$name: $(cat different)"
+    sed '1d; /^=/d; /^#@/d' again.iftty | diff then - >different || fail "$name: $(cat different)"
     rm -rf again.*
 done
 
@@ -131,7 +132,8 @@ knows $current: .iftty log --script FILE. prints its commands"
     expect 0 "$iftty" log --check other.iftty
     mkdir again.golden
     cp j.golden/labels-* again.golden
-    expect 0 "$iftty" run printed --journal again.iftty --out again.out
+    expect 0 "$iftty" run printed --journal again.iftty --out again.out --who anna --times
+    expect 0 "$PYTHON" "$top/tests/read_journal.py" "$top/journal/FORMAT.md" again.iftty
     [ "$(head -1 again.iftty)" = "# iftty journal 1 semantics $current" ] || fail "no new journal"
     rm -rf again.*
 done
