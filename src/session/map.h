@@ -92,8 +92,8 @@ struct map_place {
 /* Read a map on the scene's grid by volume_read; resample or reject another grid. Size and
  * position are checked before a voxel is read, so that memory is bounded by the scene, or by the
  * user's choice. If the scene is a part of its file and the map covers that file, read the same
- * part, and the middle voxel of each block; of a channel the mean. Watched, as volume_read is. An error names the file;
- * notes of the map say how it was converted. */
+ * part, and the middle voxel of each block; of a channel the mean. Watched, as volume_read is. An
+ * error names the file; notes of the map say how it was converted. */
 enum err map_read(struct volume *map, const char *path, const struct map_place *place,
                   struct watch *watch, struct fault *fault);
 
