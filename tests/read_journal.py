@@ -8,6 +8,7 @@ WORDS = {"at": r"\d+", "on": r"[^=]+", "branch": r"[^=]+", "took": r"\d+,\d+,\d+
          "marker": r"\d+(-\d+)?", "removed": r"\d+(-\d+)?(,\d+(-\d+)?)*",
          "spared": r"\d+(-\d+)?(,\d+(-\d+)?)*", "seeds": r"\d+", "pending": r"\d+", "added": r"\d+",
          "inside": r"\d+", "sha256": "[0-9a-f]{64}", "orientation": "file|sform|qform|user|unknown"}
+SIGNATURE = r"#@ (who=[^ ]+ )?(at=\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ )?session=\d+"
 
 
 def attributes(path):  # of an OpenEXR: NAME 0 TYPE 0 SIZE BYTES
@@ -42,6 +43,7 @@ def read(data, path):
         assert len(line.encode()) < 65536 and not re.search("[\0-\x1f\x7f]", line), line
         result = re.fullmatch("(= (\\d+)((?: [^ ]+)*)) chain=([0-9a-f]{32})", line)
         if not result:
+            assert not line.startswith("#@ ") or re.fullmatch(SIGNATURE, line), line
             assert line[:1] in ("", "#") or command is None and line[0] not in " =", line
             command = line if line[:1] not in ("", "#") else command
             covered += line + "\n"
