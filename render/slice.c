@@ -290,7 +290,7 @@ static void draw_rim(const struct run_map *map, size_t x, int64_t y)
         memcpy(pixel, rgb, 3);
     else if (own && filled->shows(filled->of, (uint32_t)cell))
         for (int k = 0; k < 3; k++)
-            pixel[k] = (uint8_t)((pixel[k] + rgb[k] + 1) / 2);
+            pixel[k] = (uint8_t)((2 * pixel[k] + rgb[k] + 1) / 3);
     else if (!own && other > 256) /* it waits for a run */
         memset(pixel, 255, 3);
     else if (!own && other)

@@ -1237,8 +1237,7 @@ STORY(what_is_dangerous_and_how_to_begin_are_said)
     CHECK_HAS(hint_now(), "i seed  b label");
     facts.has_one_object = true;
     CHECK_HAS(hint_now(), "fills all: a here, then beyond its edge S encloses it; s0 back");
-    facts.has_one_object = false;
-    facts.wants_outline = true;
+    facts.has_one_object = false, facts.wants_outline = true;
     CHECK_HAS(hint_now(), "@ outlines the object where a slice is wrong; i or s0 corrects by b");
     CHECK(strlen(hint_now()) <= 80);
     KEYS("v");

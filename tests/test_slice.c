@@ -787,7 +787,7 @@ SCENE_STORY(dark_scene, thin_marks_leave_what_they_mark_to_be_seen)
     for (uint32_t y = 90; y < 200; y++)
         for (uint32_t x = 90; x < 290; x++) {
             const int own = block_at(x, y), other = block_near(x, y, own ? 2 : 1);
-            CHECK(other == own && own == 2 ? is_rgb(&s, x, y, 178, 50, 51)
+            CHECK(other == own && own == 2 ? is_rgb(&s, x, y, 152, 67, 67)
                   : other == own           ? grey_at(&s, x, y) == 100
                   : own == 2               ? is_rgb(&s, x, y, 255, 0, 1)
                   : own                    ? is_rgb(&s, x, y, 0x50, 0x60, 0x70)

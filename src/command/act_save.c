@@ -156,22 +156,18 @@ enum err act_golden(const struct act *act)
             act->fault, ERR_USAGE,
             "the journal was opened read-only, and so were its golden images; `journal "
             "FILE` continues in a file of your own");
-    enum err err = take_golden(act, &picture);
-    if (err)
-        return err;
+    TRY(take_golden(act, &picture));
     if (is_new && !interp->home.length) {
         buf_add_text(&act->reply->text, "not stored: there is no journal; `--journal FILE` "
                                         "records one from the beginning\n");
     } else if (is_new || interp->judge) {
-        err = golden_path(path, buf_text(&interp->home), name, act->fault);
-        if (!err && is_new)
-            err = write_golden(interp, name, buf_text(path), &picture, act->fault);
-        else if (!err)
-            err = compare_golden(interp, name, buf_text(path), &picture, act->fault);
-        if (!err && is_new)
+        TRY(golden_path(path, buf_text(&interp->home), name, act->fault));
+        TRY((is_new ? write_golden : compare_golden)(interp, name, buf_text(path), &picture,
+                                                     act->fault));
+        if (is_new)
             act_write_file_line("stored as ", buf_text(path), act->reply);
     }
-    return err;
+    return OK;
 }
 
 /* ---- `finish`, `finished` ---- */

@@ -492,12 +492,6 @@ static enum err watch_execute(void *context, const char *line, struct buf *outpu
     return err;
 }
 
-static enum err watch_sketch(void *context, const char *line, struct fault *fault)
-{
-    (void)context, (void)line;
-    return fault_set(fault, ERR_USAGE, "nothing is drawn here");
-}
-
 static enum err watch_drop(void *context, struct fault *fault)
 {
     (void)context, (void)fault;
@@ -547,11 +541,8 @@ static enum err watch_at_terminal(const struct options *o, struct interpreter *i
     w.pilot.interp = interp;
     w.pilot.smooth = o->smooth;
     w.pilot.watches = true;
-    w.host = (struct pilot_host){.context = &w,
-                                 .execute = watch_execute,
-                                 .sketch = watch_sketch,
-                                 .drop = watch_drop,
-                                 .caption = watch_caption};
+    w.host = (struct pilot_host){
+        .context = &w, .execute = watch_execute, .drop = watch_drop, .caption = watch_caption};
     pilot_host_fill(&w.host);
     pilot_state_init(&w.state, &config->setup);
     w.state.watches = true;

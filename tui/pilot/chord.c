@@ -27,11 +27,6 @@ static const struct {
     unsigned modifier;
 } modifiers[] = {{"Ctrl-", KEY_CONTROL}, {"Shift-", KEY_SHIFT}, {"Alt-", KEY_ALT}};
 
-static bool is_word(const char *word, size_t length, const char *name)
-{
-    return strlen(name) == length && memcmp(word, name, length) == 0;
-}
-
 /* Remove "Ctrl-" and other modifiers from a word. */
 static unsigned take_modifiers(const char **word, size_t *length)
 {
@@ -65,7 +60,7 @@ static bool read_key(const char *word, size_t length, struct chord *chord)
 {
     *chord = (struct chord){.modifiers = take_modifiers(&word, &length)};
     for (enum key key = KEY_PENDING; key < sizeof named / sizeof named[0]; key++)
-        if (named[key] && is_word(word, length, named[key])) {
+        if (named[key] && strlen(named[key]) == length && memcmp(word, named[key], length) == 0) {
             chord->key = key;
             chord->first = chord->last = key == KEY_CHARACTER ? ' ' : 0;
             return true;

@@ -129,7 +129,7 @@ struct pilot_host {
     /* As in struct repl_host; completion and news are those of the line editor. */
     enum err (*execute)(void *context, const char *line, struct buf *output, struct fault *fault);
     /* Preview a seed or a cross-hair without recording it; and undo all previews, as every other
-     * line does first. */
+     * line does first. `sketch` may be NULL for a pilot that only watches. */
     enum err (*sketch)(void *context, const char *line, struct fault *fault);
     enum err (*drop)(void *context, struct fault *fault);
     bool (*finished)(void *context);

@@ -565,11 +565,8 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
     const struct pilot_onlooker onlooker = {p, is_left, wants_show, show_so_far};
     const struct pilot_host *host = p->host;
     struct fault why = {0};
-    enum err err = go_to_last_row("", fault);
-    if (!err)
-        err = term_set_mode(TERM_QUIET, fault);
-    if (err)
-        return err;
+    TRY(go_to_last_row("", fault));
+    TRY(term_set_mode(TERM_QUIET, fault));
     const uint64_t now_ns = clock_ns();
     p->shows_ns = now_ns + SHOWN_AFTER_NS;
     p->reads_ns = p->state->watches ? 0 : p->shows_ns;
@@ -583,7 +580,7 @@ static enum err carry_out(struct pilot *p, const char *line, struct buf *output,
                                      : host->execute(host->context, line, output, &why);
     host->look_on(host->context, NULL);
     p->has_progress = false;
-    err = term_set_mode(TERM_RAW, fault);
+    const enum err err = term_set_mode(TERM_RAW, fault);
     if (*of_command)
         say_error(p, &why);
     p->is_stale = true;
@@ -943,9 +940,8 @@ static enum err take_key(struct pilot *p, const struct key_event *event, struct 
         buf_clear(&p->message);
         pilot_press(&press);
     } else if (pixel_of(p, &event->mouse, &column, &row)) {
-        p->is_stale |= !p->view.rgba; /* a click stopped the drawing of a finer picture */
-        if (!p->view.rgba)
-            draw_view(p);
+        if (!p->view.rgba) /* a click stopped the drawing of a finer picture */
+            p->is_stale = true, draw_view(p);
         pilot_click(&press, column, row);
     }
     /* The mouse may move from pixel to pixel without any change. */
@@ -1152,10 +1148,9 @@ static void await_key(struct pilot *p, struct key_event *event)
  * it. */
 static bool has_click(const struct pilot *p)
 {
-    const struct line_editor *e = p->editor;
     const struct typed_ahead *ahead = &p->ahead;
     return (ahead->count > ahead->taken && ahead->event[ahead->count - 1].key == KEY_MOUSE) ||
-           strstr(buf_text(&e->input) + e->taken, "\033[<0;");
+           strstr(buf_text(&p->editor->input) + p->editor->taken, "\033[<0;");
 }
 
 static enum err run(struct pilot *p, struct fault *fault)
