@@ -99,6 +99,8 @@ bad-between its frames are not evenly spaced
 bad-far its frames are not evenly spaced, or too far apart
 bad-endless frame 3 of its segments is more than a kilometre away
 bad-twice its segments are not numbered from 1
+bad-again frames 2 and 3 hold the same segment in one plane
+bad-padded with 11 bytes more than its frames of 26x22 have
 bad-none without segments
 bad-kind whose pixels are not those of
 cut-pixels cut short
@@ -146,6 +148,13 @@ codes_of() {
     "$PYTHON" -c 'import json; print(*("%d %s" % (l["number"], l["code"])
         for l in json.load(open("codes.json"))["by_label"]), sep=", ")'
 }
+
+begin "a place that all frames share is that of each"
+expect 0 "$iftty" -c "open ct; labels bad-shared.dcm; save labels shared.nii"
+expect 0 "$PYTHON" -c 'import nibabel, numpy
+a, b = (numpy.asarray(nibabel.load(name).dataobj) for name in ("shared.nii", "labels.twin.nii"))
+z = numpy.nonzero(a.any((0, 1)))[0]
+assert len(z) == 1 and (a[:, :, z] == b[:, :, z]).all()'
 
 begin "codes are read, set, undone, written to each format and read back"
 liver=SCT:10200004:Liver

@@ -285,9 +285,8 @@ static void take_frames(Segments &segments, Volume &volume, const gdcm::DataSet 
     whole.frames = static_cast<unsigned>(count);
     for (size_t f = 0; f < count; f++) {
         const gdcm::DataSet &group = items->GetItem(f + 1).GetNestedDataSet();
-        Slice own = f > 0 ? slice[0] : whole;
+        Slice own = whole;
         unsigned number = common;
-        own.has_position = f == 0 && own.has_position;
         take_groups(own, group);
         take_binary(number, item_of(group, identity_tag, 0), referenced_tag);
         if (!own.fault.empty())
@@ -316,6 +315,13 @@ static void take_frames(Segments &segments, Volume &volume, const gdcm::DataSet 
                      [](const Frame &a, const Frame &b) {
                          return a.plane != b.plane ? a.plane < b.plane : a.number < b.number;
                      });
+    for (size_t f = 1; f < count; f++) {
+        const Frame &a = segments.frames[f - 1], &b = segments.frames[f];
+        if (a.plane == b.plane && a.number == b.number && (a.number || segments.is_map))
+            refuse("frames %llu and %llu hold the same segment in one plane, as of several times; "
+                   "expected one frame",
+                   wide(a.at + 1), wide(b.at + 1));
+    }
 }
 
 /* ---- pixels ---- */
@@ -518,6 +524,9 @@ bool open_segments(Volume &volume, const Request &request)
     Slice &pixels = segments->whole;
     if (!pixels.lack.empty())
         throw Refusal{about_file("", pixels.lack)};
+    if (pixels.rest)
+        refuse("a segmentation (DICOM SEG) with %llu bytes more than its frames of %ux%u have",
+               wide(pixels.rest), pixels.columns, pixels.rows);
     if (pixels.is_big || (pixels.is_packed && pixels.bits == 1))
         refuse("a segmentation (DICOM SEG) whose pixels are packed or big-endian; `dcmconv +te "
                "FILE PLAIN` or gdcmconv --raw makes them plain");

@@ -119,8 +119,9 @@ def make():
     whole = [(None, z, labels[:, :, z].T) for z in range(SIZE[2])][::-1]
     seg_of(slices, whole, names, 16, "LABELMAP").save_as("labelmap.dcm")
     seg_of(slices, whole, names, 8, "LABELMAP").save_as("labelmap8.dcm")
-    grown = [(2, z, x[:, :, 0].T < 10) for z in range(4, 8)]
-    seg_of(slices, grown + frames_of(labels), names).save_as("overlap.dcm")
+    grown = [(n, z, data | ((x[:, :, 0].T < 10) & (n == 2) & (3 < z < 8)))
+             for n, z, data in frames_of(labels)]
+    seg_of(slices, grown, names).save_as("overlap.dcm")
     over = labels.copy()
     over[:10, :, 4:8] = numpy.where(over[:10, :, 4:8] == 3, 3, 2)
     save_twin("overlap", over, PLACE)
@@ -142,8 +143,13 @@ def make():
     hurt("far", lambda s: move(s, 1e5 * LPS[:3, :3] @ PLACE[:3, 2]))
     hurt("endless", lambda s: move(s, [1e300, 0, 0]))
     hurt("coded", recode)
+    hurt("shared", share)
     hurt("lacking", uncode)
     hurt("twice", lambda s: setattr(s.SegmentSequence[1], "SegmentNumber", 1))
+    hurt("again", lambda s: group_of(s).update({"PlanePositionSequence": next(
+        g.PlanePositionSequence for g in s.PerFrameFunctionalGroupsSequence if g != group_of(s) and
+        g.SegmentIdentificationSequence == group_of(s).SegmentIdentificationSequence)}))
+    hurt("padded", lambda s: setattr(s, "PixelData", s.PixelData + b"\0" * 10))
     hurt("none", lambda s: delattr(s, "SegmentSequence"))
     hurt("kind", lambda s: setattr(s, "SegmentationType", "OTHER"))
     hurt("other-grid", lambda s: setattr(
@@ -170,6 +176,22 @@ def recode(seg):
         code("49755003", "SCT", "Morphologically Altered Structure")])
     second.SegmentedPropertyTypeCodeSequence = Sequence([code("M-01000", "SRT", "A|B & C")])
     third.SegmentedPropertyTypeCodeSequence = Sequence([code("1 2", "SCT", "Spleen")])
+
+
+def share(seg):
+    """Two segments in one plane, whose place all frames share."""
+    groups = seg.PerFrameFunctionalGroupsSequence
+    places = [g.PlanePositionSequence[0].ImagePositionPatient for g in groups]
+    chosen = next([m for m, b in enumerate(places) if b == a] for n, a in enumerate(places)
+                  if places.count(a) > 1)
+    pixels = seg.pixel_array[chosen]
+    seg.PixelData = numpy.packbits(pixels.ravel(), bitorder="little").tobytes()
+    seg.NumberOfFrames = len(chosen)
+    seg.PerFrameFunctionalGroupsSequence = [groups[n] for n in chosen]
+    seg.SharedFunctionalGroupsSequence[0].PlanePositionSequence = \
+        groups[chosen[0]].PlanePositionSequence
+    for group in seg.PerFrameFunctionalGroupsSequence:
+        del group.PlanePositionSequence
 
 
 def uncode(seg):
