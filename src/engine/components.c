@@ -122,10 +122,6 @@ enum err components_find(struct components *components, const struct grid *grid,
     OWNED(mem_release) size_t *row = mem_array(rows + 1, sizeof *row);
     struct finding finding = {components, grid, label, row};
     *components = (struct components){0};
-    enum err err = row ? find_runs(&finding, watch, fault) : fault_memory(fault, "components");
-    if (!err)
-        err = count(&finding, watch, fault);
-    if (err)
-        components_release(components);
-    return err;
+    TRY(row ? find_runs(&finding, watch, fault) : fault_memory(fault, "components"));
+    return count(&finding, watch, fault);
 }

@@ -44,8 +44,8 @@ struct components {
     size_t runs, run_capacity;
 };
 
-/* Find the components of label[grid->cells] (0 in the rim). ERR_MEMORY, ERR_CANCELLED; the result
- * is then empty. */
+/* Find the components of label[grid->cells] (0 in the rim). ERR_MEMORY, ERR_CANCELLED. The caller
+ * releases the result, also on error. */
 enum err components_find(struct components *components, const struct grid *grid,
                          const uint8_t *label, struct watch *watch, struct fault *fault);
 void components_release(struct components *components);

@@ -19,19 +19,16 @@ enum err finish_make(uint8_t **label, const struct finish_list *list, const stru
     const size_t cells = scene->grid.cells;
     const struct labels forest = labels_of_forest(scene);
     *label = NULL;
-    enum err err = finish_check(list, scene, fault);
-    if (err)
-        return err;
+    TRY(finish_check(list, scene, fault));
     struct finish_work work = {scene, team, mem_pages(cells), mem_pages(cells), kept};
-    if (work.label && work.next) {
+    enum err err = work.label && work.next ? OK : fault_memory(fault, "finished labels");
+    if (!err) {
         labels_copy(&forest, work.label, team);
         err = watch_fault(scene->watch, fault);
-        for (uint32_t i = 0; !err && i < list->count; i++)
-            err = finish_table[list->step[i].kind].apply(&work, &list->step[i], fault);
-        err = err ? err : watch_fault(scene->watch, fault);
-    } else {
-        err = fault_memory(fault, "finished labels");
     }
+    for (uint32_t i = 0; !err && i < list->count; i++)
+        err = finish_table[list->step[i].kind].apply(&work, &list->step[i], fault);
+    err = err ? err : watch_fault(scene->watch, fault);
     mem_pages_free(work.next, cells);
     if (err)
         mem_pages_free(work.label, cells);
@@ -303,9 +300,7 @@ enum err finish_reassign(struct finish_work *work, const uint8_t *of,
 {
     struct watch *watch = work->scene->watch;
     OWNED(components_release) struct components found;
-    const enum err err = components_find(&found, &work->scene->grid, of, watch, fault);
-    if (err)
-        return err;
+    TRY(components_find(&found, &work->scene->grid, of, watch, fault));
     OWNED(mem_release) bool *waits = mem_array(found.count, sizeof *waits);
     OWNED(mem_release) uint16_t *taker = mem_array(found.count, sizeof *taker);
     if (!waits || !taker)

@@ -361,10 +361,8 @@ static enum err shape_init(struct shape *s, struct finish_work *work,
     const struct scene *scene = work->scene;
     const size_t rows = (size_t)scene->grid.size[1] * scene->grid.size[2];
     *s = (struct shape){.work = work, .opens = opens, .words = (scene->grid.size[0] + 63) / 64};
-    enum err err = brush_init(&s->brush, step->in_nm ? scene->spacing_nm : voxel, step->argument,
-                              BRUSH_REACH_MOST, fault);
-    if (err)
-        return err;
+    TRY(brush_init(&s->brush, step->in_nm ? scene->spacing_nm : voxel, step->argument,
+                   BRUSH_REACH_MOST, fault));
     s->left = mem_array(rows, s->words * sizeof *s->left);
     s->ball = mem_array(rows, s->words * sizeof *s->ball);
     s->room = mem_array(team_size(work->team), 2 * s->words * sizeof *s->room);

@@ -183,9 +183,7 @@ static enum err prepare(struct forest *forest, const struct edit *edit, size_t c
     for (size_t i = 1; in_order && i < count; i++)
         in_order = edit[i - 1].cell < edit[i].cell;
     forest->edits = count;
-    const enum err err = in_order ? OK : put_in_order(forest, edit, count, fault);
-    if (err)
-        return err;
+    TRY(in_order ? OK : put_in_order(forest, edit, count, fault));
     struct task task = task_begin(forest->scene->watch, "forest", forest->edits);
     for (size_t i = 0; i < forest->edits; i++) {
         if (!task_advance(&task, 1))
@@ -354,9 +352,7 @@ static void undo_edit(struct forest *forest, bool from_nothing, enum err reason,
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
                      struct fault *fault)
 {
-    enum err err = prepare(forest, edit, count, fault);
-    if (err)
-        return err;
+    TRY(prepare(forest, edit, count, fault));
     const bool from_nothing = forest->seeds == 0;
     if (forest->suspended) {
         set_seeds(forest, forest->batch, forest->edits);
@@ -369,7 +365,7 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
         set_seeds(forest, forest->batch, forest->edits);
         clear_all(forest, true);
     }
-    err = is_stopped(forest) ? ERR_CANCELLED : forest_pass(forest);
+    enum err err = is_stopped(forest) ? ERR_CANCELLED : forest_pass(forest);
     if (!err && !finish_changes(forest))
         err = ERR_CANCELLED;
     if (err) {

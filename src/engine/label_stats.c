@@ -163,8 +163,8 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
     counting->team = team;
     if (!counts->length) /* intensities do not change with labels: they are scanned once */
         team_run(team, find_highest, counting);
-    const enum err err = watch_fault(counts->scene->watch, fault);
-    if (!err && !counts->length) {
+    TRY(watch_fault(counts->scene->watch, fault));
+    if (!counts->length) {
         const uint32_t *size = counts->scene->grid.size;
         size_t intensities = 1;
         for (unsigned worker = 0; worker < team_size(team); worker++)
@@ -175,8 +175,6 @@ static enum err count_all(struct label_counts *counts, const struct labels *labe
         counts->plane[2] = counts->plane[1] + size[1];
         counts->length = counts->plane[2] + size[2];
     }
-    if (err)
-        return err;
     const size_t fit = BYTES_OF_WORKERS / (256 * counts->length * sizeof **counts->of);
     counting->workers = fit < 1 ? 1 : fit < team_size(team) ? (unsigned)fit : team_size(team);
     team_run(team, count_part, counting);
@@ -510,9 +508,7 @@ static enum err count_holes(struct label_stats *stats, const struct scene *scene
         corner[a] = sums->first[a] > 0 ? sums->first[a] - 1 : 0;
         size[a] = (sums->last[a] < end ? sums->last[a] + 1 : end) - corner[a] + 1;
     }
-    enum err err = grid_init(&box, size, fault);
-    if (err)
-        return err;
+    TRY(grid_init(&box, size, fault));
     /* 1 in voxels of the label, else 0. */
     OWNED(mem_release) uint8_t *selected = mem_array(box.cells, 1);
     struct grid_walk w = grid_rows(&box, scene->watch, "holes");
@@ -521,12 +517,11 @@ static enum err count_holes(struct label_stats *stats, const struct scene *scene
         for (uint32_t x = 0; x < box.size[0]; x++)
             selected[w.row.first + x] = from[x] == of;
     }
-    err = selected ? watch_fault(scene->watch, fault) : fault_memory(fault, "holes");
-    if (!err)
-        err = components_find(&found, &box, selected, scene->watch, fault);
+    TRY(selected ? watch_fault(scene->watch, fault) : fault_memory(fault, "holes"));
+    TRY(components_find(&found, &box, selected, scene->watch, fault));
     for (size_t i = 0; i < found.count; i++)
         stats->holes += !found.item[i].label && !found.item[i].at_edge;
-    return err;
+    return OK;
 }
 
 /* ---- stored counts ---- */
@@ -583,35 +578,28 @@ enum err label_measures_sum(struct label_measures *measures, const struct labels
                             unsigned label, struct team *team, struct label_sums *sums,
                             struct fault *fault)
 {
-    const enum err err = refresh_counts(measures, labels, team, fault);
-    if (!err)
-        *sums = sum_counts(measures->counts, label);
-    return err;
+    TRY(refresh_counts(measures, labels, team, fault));
+    *sums = sum_counts(measures->counts, label);
+    return OK;
 }
 
 enum err label_stats_find(struct label_stats stats[256], struct label_measures *measures,
                           const struct labels *labels, struct team *team, struct fault *fault)
 {
     const struct scene *scene = labels->scene;
-    struct components found;
-    enum err err = refresh_counts(measures, labels, team, fault);
-    if (!err)
-        err = label_measures_refresh_pairs(measures, labels, team, fault);
-    if (err)
-        return err;
+    OWNED(components_release) struct components found = {0};
+    TRY(refresh_counts(measures, labels, team, fault));
+    TRY(label_measures_refresh_pairs(measures, labels, team, fault));
     const struct label_pairs *pairs = measures->pairs;
     for (unsigned label = 0; label < 256; label++) {
         stats[label] = (struct label_stats){.sums = sum_counts(measures->counts, label)};
         memcpy(stats[label].pairs, pairs->count[label], sizeof stats->pairs);
     }
-    err = components_find(&found, &scene->grid, pairs->label, scene->watch, fault);
-    if (err)
-        return err;
+    TRY(components_find(&found, &scene->grid, pairs->label, scene->watch, fault));
     for (size_t i = 0; i < found.count; i++)
         stats[found.item[i].label].components++;
-    components_release(&found);
-    for (unsigned label = 1; !err && label < 256; label++)
+    for (unsigned label = 1; label < 256; label++)
         if (stats[label].sums.voxels)
-            err = count_holes(&stats[label], scene, pairs->label, label, fault);
-    return err;
+            TRY(count_holes(&stats[label], scene, pairs->label, label, fault));
+    return OK;
 }

@@ -251,7 +251,6 @@ static void make_one(void *context, unsigned worker)
 static enum err make_fields(struct relaxing *r, size_t first, struct fault *fault)
 {
     struct finish_work work = *r->work;
-    enum err err = OK;
     /* Relax as many labels as there are threads, one per thread without waiting, if the labels are
      * small and of similar size. Otherwise relax one label with all threads. */
     enum { SMALL = 1 << 20 };
@@ -262,17 +261,15 @@ static enum err make_fields(struct relaxing *r, size_t first, struct fault *faul
                     ? workers
                     : 1;
     work.team = r->fields == 1 ? r->work->team : NULL;
-    for (unsigned i = 0; i < r->fields && !err; i++) {
+    for (unsigned i = 0; i < r->fields; i++) {
         const uint8_t label = r->item[first + i].label;
-        err = relax_field_begin(&r->field[i], &work, label, &r->box[label], r->reach, r->sweeps,
-                                fault);
+        TRY(relax_field_begin(&r->field[i], &work, label, &r->box[label], r->reach, r->sweeps,
+                              fault));
         r->field[i].shows = r->fields == 1;
         if (r->fields == 1 && r->kept && r->kept->bytes < r->kept->most / 2)
             r->field[i].room = r->kept->most / 2 - r->kept->bytes;
         r->field[i].worker = i;
     }
-    if (err)
-        return err;
     if (r->fields == 1)
         relax_field_make(&r->field[0]);
     else

@@ -84,15 +84,14 @@ void scene_make_cells(struct scene *scene, struct team *team, scene_weigh_row *w
     scene->plain = NULL;
 }
 
-/* Return a finished scene to the caller; free one that was cancelled or failed. */
-static enum err finish_scene(struct scene **out, struct scene *scene, enum err err,
-                             struct fault *fault)
+/* Free a scene that was cancelled or failed. */
+static enum err finish_scene(struct scene **scene, enum err err, struct fault *fault)
 {
-    err = err ? err : watch_fault(scene->watch, fault);
-    if (err)
-        scene_free(scene);
-    else
-        *out = scene;
+    err = err ? err : watch_fault((*scene)->watch, fault);
+    if (!err)
+        return OK;
+    scene_free(*scene);
+    *scene = NULL;
     return err;
 }
 
@@ -106,19 +105,13 @@ static enum err allocate_scene(struct scene **out, const uint32_t size[3], struc
                                struct fault *fault)
 {
     *out = NULL;
-    struct scene *scene = mem_new(sizeof *scene);
+    OWNED(mem_release) struct scene *scene = mem_new(sizeof *scene);
     if (!scene)
         return fault_memory(fault, "a scene");
-    enum err err = grid_init(&scene->grid, size, fault);
-    if (!err) {
-        scene->cell = mem_pages(scene->grid.cells * sizeof *scene->cell);
-        if (!scene->cell)
-            err = fault_memory(fault, "the voxels of a scene");
-    }
-    if (err) {
-        free(scene);
-        return err;
-    }
+    TRY(grid_init(&scene->grid, size, fault));
+    scene->cell = mem_pages(scene->grid.cells * sizeof *scene->cell);
+    if (!scene->cell)
+        return fault_memory(fault, "the voxels of a scene");
     for (int a = 0; a < 3; a++) {
         scene->spacing_nm[a] = 1000000;
         scene->world_axis[a] = (int8_t)a;
@@ -126,15 +119,14 @@ static enum err allocate_scene(struct scene **out, const uint32_t size[3], struc
     }
     scene->watch = watch;
     *out = scene;
+    scene = NULL;
     return OK;
 }
 
 enum err scene_new_plain(struct scene **out, const uint32_t size[3], uint16_t *intensity,
                          struct watch *watch, struct fault *fault)
 {
-    enum err err = allocate_scene(out, size, watch, fault);
-    if (err)
-        return err;
+    TRY(allocate_scene(out, size, watch, fault));
     (*out)->plain = intensity;
     mem_pages_allow((*out)->cell, (*out)->grid.cells * sizeof *(*out)->cell, false);
     return OK;
@@ -143,13 +135,9 @@ enum err scene_new_plain(struct scene **out, const uint32_t size[3], uint16_t *i
 enum err scene_new_filled(struct scene **out, const uint32_t size[3], const uint16_t *intensity,
                           struct watch *watch, struct fault *fault)
 {
-    struct scene *scene;
-    *out = NULL;
-    enum err err = allocate_scene(&scene, size, watch, fault);
-    if (err)
-        return err;
-    make_slab(&(struct making){.scene = scene, .intensity = intensity}, 0);
-    return finish_scene(out, scene, OK, fault);
+    TRY(allocate_scene(out, size, watch, fault));
+    make_slab(&(struct making){.scene = *out, .intensity = intensity}, 0);
+    return finish_scene(out, OK, fault);
 }
 
 struct swapping {
@@ -275,12 +263,9 @@ enum err scene_new_interpolated(struct scene **out, const struct scene *base, un
                                 struct watch *watch, struct fault *fault)
 {
     uint32_t size[3];
-    struct scene *scene;
-    *out = NULL;
     scene_interpolated_size(size, base->grid.size, doubled);
-    enum err err = scene_new_filled(&scene, size, NULL, watch, fault);
-    if (err)
-        return err;
+    TRY(scene_new_filled(out, size, NULL, watch, fault));
+    struct scene *const scene = *out;
     for (struct grid_walk w = scene_walk(scene, "interpolation", NULL, 0); grid_walk_next(&w);)
         for (uint32_t x = 0; x < size[0]; x++)
             scene->cell[w.row.first + x].intensity =
@@ -293,7 +278,7 @@ enum err scene_new_interpolated(struct scene **out, const struct scene *base, un
     }
     scene->sides_unknown = base->sides_unknown;
     scene->spacing_unknown = base->spacing_unknown;
-    return finish_scene(out, scene, OK, fault);
+    return finish_scene(out, OK, fault);
 }
 
 /* ---- the synthetic scene ---- */
@@ -413,22 +398,18 @@ static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, struct cell
 enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct watch *watch,
                            struct fault *fault)
 {
-    struct scene *scene;
-    *out = NULL;
-    enum err err = scene_new_filled(&scene, size, NULL, watch, fault);
-    if (err)
-        return err;
+    TRY(scene_new_filled(out, size, NULL, watch, fault));
     OWNED(mem_release) int16_t *place = mem_array(size[0], sizeof *place);
     OWNED(mem_release) uint8_t *value = mem_array(size[0], sizeof *value);
     struct geom_rows rows = {{size[0], size[1], size[2]}, place, value};
     if (!place || !value)
-        err = fault_memory(fault, "the synthetic scene");
-    for (uint32_t x = 0; !err && x < size[0]; x++)
+        return finish_scene(out, fault_memory(fault, "the synthetic scene"), fault);
+    for (uint32_t x = 0; x < size[0]; x++)
         place[x] = (int16_t)geom_place(x, size[0], 0);
-    struct grid_walk w = scene_walk(scene, "synthetic scene", NULL, 0);
-    while (!err && grid_walk_next(&w))
-        geom_row(&rows, w.y, w.z, scene->cell + w.row.first);
-    return finish_scene(out, scene, err, fault);
+    struct grid_walk w = scene_walk(*out, "synthetic scene", NULL, 0);
+    while (grid_walk_next(&w))
+        geom_row(&rows, w.y, w.z, (*out)->cell + w.row.first);
+    return finish_scene(out, OK, fault);
 }
 
 enum err scene_new_geom(struct scene **out, unsigned doubled, struct watch *watch,
@@ -436,14 +417,10 @@ enum err scene_new_geom(struct scene **out, unsigned doubled, struct watch *watc
 {
     struct scene *base;
     *out = NULL;
-    enum err err = scene_new_geom_of(&base, geom_size, watch, fault);
-    if (err)
-        return err;
-    if (!doubled) {
-        *out = base;
+    TRY(scene_new_geom_of(doubled ? &base : out, geom_size, watch, fault));
+    if (!doubled)
         return OK;
-    }
-    err = scene_new_interpolated(out, base, doubled, watch, fault);
+    const enum err err = scene_new_interpolated(out, base, doubled, watch, fault);
     scene_free(base);
     return err;
 }

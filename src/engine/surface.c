@@ -335,9 +335,7 @@ static enum err add_nets(struct making *m, const struct extent *extent, bool add
                 m->box_has_spots = m->has_spots && holds_several(m, &box);
                 if (adds_spots && !m->box_has_spots)
                     continue;
-                enum err err = net_make(&net, &source, box.first, size, m->fault);
-                if (err)
-                    return err;
+                TRY(net_make(&net, &source, box.first, size, m->fault));
                 if (adds_spots ? !add_outside(m, &net) : !add_net(m, &net, &box))
                     return fault_memory(m->fault, "a surface");
                 if (m->surface->points > POINTS_MOST)
