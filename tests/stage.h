@@ -46,7 +46,7 @@ static inline enum err stage_init(struct stage *s, const uint32_t size[3], unsig
 {
     struct scene *scene = NULL;
     *s = (struct stage){0};
-    const enum err err = scene_new(&scene, size, why);
+    const enum err err = scene_new(&scene, size, NULL, NULL, why);
     return err ? err : stage_take(s, scene, adjacency, why);
 }
 

@@ -280,7 +280,7 @@ STORY(the_first_pixel_that_differs_is_named)
     OWNED(rendition_release) struct rendition a = {0}, b = {0};
     struct fault fault = {0};
     OWNED(scene_drop) struct scene *scene;
-    CHECK(scene_new(&scene, (uint32_t[]){3, 3, 3}, NULL) == OK);
+    CHECK(scene_new(&scene, (uint32_t[]){3, 3, 3}, NULL, NULL, NULL) == OK);
     grid = &scene->grid;
     CHECK(rendition_init(&a, 9, 7, NULL) == OK && rendition_init(&b, 9, 7, NULL) == OK);
     rendition_clear(&a);

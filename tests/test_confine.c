@@ -99,7 +99,7 @@ STORY(the_register_helper_reaches_nothing)
     struct fault fault = {0};
     static const double to_mm[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
     CHECK(geometry_place(&geometry, to_mm, ORIENTATION_FILE));
-    CHECK_INT(scene_new(&scene, (const uint32_t[]){8, 8, 8}, NULL), OK);
+    CHECK_INT(scene_new(&scene, (const uint32_t[]){8, 8, 8}, NULL, NULL, NULL), OK);
     const struct placed_scene placed = {scene, &geometry};
     if (!confine_version() || !confine_knows_calls()) {
         SKIP("the kernel has no Landlock");

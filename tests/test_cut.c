@@ -17,7 +17,7 @@
 static struct scene *hand_scene(struct border *border)
 {
     struct scene *scene = NULL;
-    CHECK(scene_new(&scene, (uint32_t[]){10, 8, 6}, NULL) == OK);
+    CHECK(scene_new(&scene, (uint32_t[]){10, 8, 6}, NULL, NULL, NULL) == OK);
     CHECK(border_init(border, scene, NULL) == OK);
     for (uint32_t z = 0; z < 6; z++)
         for (uint32_t y = 0; y < 8; y++)
@@ -112,7 +112,7 @@ STORY(planes_of_any_spacing_keep_their_voxel_and_fit_64_bits)
 {
     uint64_t random = 7;
     OWNED(scene_drop) struct scene *scene = NULL;
-    CHECK(scene_new(&scene, (uint32_t[]){2, 2, 2}, NULL) == OK);
+    CHECK(scene_new(&scene, (uint32_t[]){2, 2, 2}, NULL, NULL, NULL) == OK);
     for (int round = 0; round < 20000 && check_failures == 0; round++) {
         uint32_t place[3];
         int32_t ahead[3];
@@ -217,7 +217,7 @@ STORY(faces_that_are_cut_open_show_the_scene)
     OWNED(stage_release) struct stage s = {0};
     OWNED(rendition_release) struct rendition r;
     struct cut cut = cut_none();
-    CHECK(scene_new(&s.scene, (uint32_t[]){20, 20, 20}, NULL) == OK);
+    CHECK(scene_new(&s.scene, (uint32_t[]){20, 20, 20}, NULL, NULL, NULL) == OK);
     CHECK(forest_new(&s.forest, s.scene, 6, NULL) == OK);
     CHECK(border_init(&s.border, s.scene, NULL) == OK);
     palette_default(&s.palette);

@@ -267,7 +267,7 @@ static struct scene *scene_of(const struct volume *v)
 {
     struct scene *scene;
     const uint32_t size[3] = {(uint32_t)v->size[0], (uint32_t)v->size[1], (uint32_t)v->size[2]};
-    if (scene_new(&scene, size, NULL) != OK)
+    if (scene_new(&scene, size, NULL, NULL, NULL) != OK)
         abort();
     memcpy(scene->spacing_nm, v->nm, sizeof scene->spacing_nm);
     EACH_VOXEL(v, x, y, z)

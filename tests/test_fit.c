@@ -25,7 +25,8 @@ static void begin_world(struct world *w, uint64_t *random)
     uint32_t size[3];
     for (int a = 0; a < 3; a++)
         size[a] = 1 + check_below(random, check_below(random, 3) ? 90 : 4);
-    CHECK(scene_new(&w->scene, size, NULL) == OK && border_init(&w->border, w->scene, NULL) == OK);
+    CHECK(scene_new(&w->scene, size, NULL, NULL, NULL) == OK &&
+          border_init(&w->border, w->scene, NULL) == OK);
     for (int a = 0; a < 3; a++) {
         w->scene->spacing_nm[a] =
             check_below(random, 2) ? 1000000 : 300000 + check_below(random, 2000000);

@@ -384,8 +384,8 @@ static bool live_once(uint64_t seed)
     uint32_t size[3] = {1 + check_below(&random, 9), 7, 5};
     struct edit batch[40];
     bool done = false;
-    if (scene_new(&w.scene, size, &fault) || forest_new(&w.forest, w.scene, 6, &fault) ||
-        border_init(&border, w.scene, &fault))
+    if (scene_new(&w.scene, size, NULL, NULL, &fault) ||
+        forest_new(&w.forest, w.scene, 6, &fault) || border_init(&border, w.scene, &fault))
         goto end;
     for (int step = 0; step < 6; step++) {
         const struct state before = state_of(&w);

@@ -12,7 +12,7 @@ static struct scene *random_scene(uint64_t *random, uint32_t side_most, bool ext
     const uint32_t size[3] = {1 + check_below(random, side_most),
                               1 + check_below(random, side_most),
                               1 + check_below(random, side_most)};
-    if (scene_new(&scene, size, NULL) != OK)
+    if (scene_new(&scene, size, NULL, NULL, NULL) != OK)
         abort();
     const struct grid *grid = &scene->grid;
     for (uint32_t z = 0; z < size[2]; z++)
@@ -58,7 +58,7 @@ STORY(between_two_voxels_comes_their_mean)
         uint32_t size[3] = {1, 1, 1};
         OWNED(scene_drop) struct scene *base = NULL, *scene = NULL;
         size[a] = 3;
-        CHECK(scene_new_filled(&base, size, row, NULL, NULL) == OK);
+        CHECK(scene_new(&base, size, row, NULL, NULL) == OK);
         base->spacing_nm[a] = 333;
         base->world_axis[a] = 2, base->world_sign[a] = -1;
         CHECK(scene_new_interpolated(&scene, base, 1U << a, NULL, NULL) == OK);
@@ -222,7 +222,7 @@ STORY(an_axis_of_one_voxel_stays)
     border_release(&session->border); /* a scene of one row in place of geom */
     forest_free(session->forest);
     scene_free(session->scene);
-    CHECK(scene_new(&session->scene, flat, NULL) == OK);
+    CHECK(scene_new(&session->scene, flat, NULL, NULL, NULL) == OK);
     CHECK(forest_new(&session->forest, session->scene, 6, NULL) == OK);
     CHECK(border_init(&session->border, session->scene, NULL) == OK);
     CHECK(session_interpolate(session, 6, NULL) == OK);

@@ -26,7 +26,7 @@ static struct scene *graded_scene(void)
     uint16_t intensity[14 * 10 * 6];
     for (uint16_t i = 0; i < 14 * 10 * 6; i++)
         intensity[i] = (uint16_t)(i * 37 % 251);
-    CHECK(scene_new_filled(&scene, size, intensity, NULL, NULL) == OK);
+    CHECK(scene_new(&scene, size, intensity, NULL, NULL) == OK);
     memcpy(scene->spacing_nm, spacing, sizeof spacing);
     return scene;
 }
@@ -125,7 +125,7 @@ STORY(the_lines_of_the_cross_hair_run_on)
     const struct mosaic_choice choice = {.place = {3, 4, 5}};
     OWNED(rendition_release) struct rendition r = noisy_rendition(100, 100);
     uint32_t columns[2] = {0}, rows[2] = {0};
-    CHECK(scene_new(&scene, size, NULL) == OK);
+    CHECK(scene_new(&scene, size, NULL, NULL, NULL) == OK);
     style.crosses = true;
     OWNED(canvas_release) struct canvas mosaic = take(scene, &r, &choice, &style);
     for (uint32_t i = 0; i < 49; i++) {

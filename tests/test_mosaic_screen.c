@@ -8,7 +8,7 @@
 static struct scene *scene_of(uint32_t x, uint32_t y, uint32_t z)
 {
     struct scene *scene = NULL;
-    CHECK(scene_new(&scene, (uint32_t[]){x, y, z}, NULL) == OK);
+    CHECK(scene_new(&scene, (uint32_t[]){x, y, z}, NULL, NULL, NULL) == OK);
     return scene;
 }
 

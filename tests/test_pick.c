@@ -64,7 +64,7 @@ STORY(distances_to_the_border_are_those_of_a_slow_search)
         uint32_t size[3];
         for (int a = 0; a < 3; a++)
             size[a] = 1 + check_below(&random, check_below(&random, 3) ? 20 : 3);
-        CHECK(scene_new(&scene, size, NULL) == OK);
+        CHECK(scene_new(&scene, size, NULL, NULL, NULL) == OK);
         for (int a = 0; a < 3; a++)
             scene->spacing_nm[a] =
                 check_below(&random, 2) ? 1000000 : 1 + check_below(&random, 4000000);
@@ -91,7 +91,7 @@ STORY(distances_to_the_border_are_those_of_a_slow_search)
 STORY(a_border_beyond_reach_is_not_searched_for)
 {
     OWNED(scene_drop) struct scene *scene = NULL;
-    CHECK(scene_new(&scene, (uint32_t[]){401, 3, 3}, NULL) == OK);
+    CHECK(scene_new(&scene, (uint32_t[]){401, 3, 3}, NULL, NULL, NULL) == OK);
     const uint32_t middle = grid_cell(&scene->grid, 200, 1, 1);
     scene->cell[grid_cell(&scene->grid, 200 + 100, 1, 1)].label = 1;
     struct border_distance d = measure_border_distance(scene, middle);

@@ -78,8 +78,7 @@ STORY(the_storage_order_of_voxels_does_not_matter)
     }
     CHECK(geometry_place(geometry, (const double(*)[4])to_mm, ORIENTATION_FILE));
     struct scene *cells = NULL;
-    CHECK_INT(scene_new_filled(&cells, subject.scene->grid.size, subject.scene->plain, NULL, NULL),
-              OK);
+    CHECK_INT(scene_new(&cells, subject.scene->grid.size, subject.scene->plain, NULL, NULL), OK);
     scene_free(subject.scene);
     subject.scene = cells;
     CHECK_INT(find(&found, &subject, NULL, &fault), OK);

@@ -218,7 +218,7 @@ static struct scene *scene_of(const struct volume *v)
 {
     struct scene *scene;
     const uint32_t size[3] = {(uint32_t)v->size[0], (uint32_t)v->size[1], (uint32_t)v->size[2]};
-    if (scene_new(&scene, size, NULL) != OK)
+    if (scene_new(&scene, size, NULL, NULL, NULL) != OK)
         abort();
     for (int i = 0; i < v->count; i++) {
         struct cell *cell = scene->cell + cell_of(v, &scene->grid, i);
@@ -368,7 +368,7 @@ static struct scene *plate_of(uint32_t size[3])
     const uint32_t noise = below(3) ? 4 : 3000; /* then an edit changes the scale */
     for (uint32_t a = 0; a < 3; a++)
         size[a] = a == thin ? 1 + below(2) : WIDE - below(60);
-    if (scene_new(&scene, size, NULL) != OK)
+    if (scene_new(&scene, size, NULL, NULL, NULL) != OK)
         abort();
     for (uint32_t z = 0; z < size[2]; z++)
         for (uint32_t y = 0; y < size[1]; y++)

@@ -23,7 +23,7 @@ static struct scene *body_scene(unsigned orientation)
     uint32_t size[3], v[3];
     for (int a = 0; a < 3; a++)
         size[a] = body_size[order[a]];
-    CHECK(scene_new(&scene, size, NULL) == OK);
+    CHECK(scene_new(&scene, size, NULL, NULL, NULL) == OK);
     for (int a = 0; a < 3; a++) {
         scene->world_axis[a] = order[a];
         scene->world_sign[a] = orientation >> a & 1 ? -1 : 1;
@@ -217,7 +217,7 @@ STORY(slices_of_any_size_and_spacing_fit)
     for (unsigned i = 0; i < 5 * 4 * 4 * 3; i++) {
         const uint32_t *size = sizes[i / 48], *picture = pictures[i / 3 % 4];
         OWNED(scene_drop) struct scene *scene = NULL;
-        if (!CHECK(scene_new(&scene, size, NULL) == OK))
+        if (!CHECK(scene_new(&scene, size, NULL, NULL, NULL) == OK))
             continue;
         memcpy(scene->spacing_nm, spacings[i / 12 % 4], sizeof scene->spacing_nm);
         struct slice_choice choice = {.plane = (enum slice_plane)(i % 3),
@@ -253,7 +253,7 @@ static struct scene *random_scene(uint64_t *seed, uint32_t most, uint32_t more_n
         choice->place[a] = check_below(seed, size[a]);
         choice->middle[a] = check_below(seed, size[a]);
     }
-    CHECK(scene_new(&scene, size, NULL) == OK);
+    CHECK(scene_new(&scene, size, NULL, NULL, NULL) == OK);
     for (int a = 0; a < 3; a++) {
         scene->world_sign[a] = check_below(seed, 2) ? 1 : -1;
         scene->spacing_nm[a] = 500000 + check_below(seed, more_nm);
@@ -516,7 +516,7 @@ STORY(smooth_grey_lies_between_the_four_voxels_around)
     static const uint32_t size[3] = {2, 2, 1};
     static const int along[8] = {0, 0, 13, 38, 63, 88, 100, 100}; /* 12.5, 37.5, 62.5, 87.5 */
     OWNED(scene_drop) struct scene *scene = NULL;
-    CHECK(scene_new_filled(&scene, size, (const uint16_t[]){0, 100, 100, 200}, NULL, NULL) == OK);
+    CHECK(scene_new(&scene, size, (const uint16_t[]){0, 100, 100, 200}, NULL, NULL) == OK);
     for (int i = 0; i < 2; i++)
         scene->world_sign[i] = -1;
     const struct slice_style style = style_of(0, 255, SLICE_PLAIN);
@@ -612,7 +612,7 @@ STORY(contours_and_hairlines_are_those_of_a_plain_search)
     struct slice_style style = style_of(0, 255, SLICE_CONTOUR);
     OWNED(scene_drop) struct scene *scene = NULL;
     uint64_t seed = 3;
-    CHECK(scene_new(&scene, size, NULL) == OK);
+    CHECK(scene_new(&scene, size, NULL, NULL, NULL) == OK);
     for (uint32_t c = 0; c < scene->grid.cells; c++)
         if (!(scene->cell[c].flags & CELL_RIM)) {
             scene->cell[c].intensity = 200;
@@ -666,7 +666,7 @@ static struct scene *dark_scene(void)
 {
     static const uint32_t size[3] = {41, 41, 41};
     struct scene *scene = NULL;
-    CHECK(scene_new(&scene, size, NULL) == OK);
+    CHECK(scene_new(&scene, size, NULL, NULL, NULL) == OK);
     for (int a = 0; a < 3; a++)
         scene->world_sign[a] = -1; /* so that columns and rows are indices in axial slices */
     return scene;

@@ -23,7 +23,7 @@ static struct scene *random_scene(void)
     const uint32_t size[3] = {1 + below(SIDE), 1 + below(SIDE), 1 + below(SIDE)};
     const uint32_t labels = 1 + below(4), noise = below(3) ? below(40) : 0;
     const uint32_t range = below(2) ? 65536 : 1 + below(600);
-    if (scene_new(&scene, size, NULL) != OK)
+    if (scene_new(&scene, size, NULL, NULL, NULL) != OK)
         abort();
     for (int a = 0; a < 3; a++)
         scene->spacing_nm[a] = 200000 + 100000 * below(10);
@@ -239,7 +239,7 @@ static struct scene *scene_of(const struct solid *solid)
     sides[2] /= cosine;
     for (int a = 0; a < 3; a++)
         size[a] = (uint32_t)(sides[a] / solid->spacing_mm[a]) + 8;
-    if (scene_new(&scene, size, NULL) != OK)
+    if (scene_new(&scene, size, NULL, NULL, NULL) != OK)
         abort();
     for (int a = 0; a < 3; a++)
         scene->spacing_nm[a] = (uint32_t)(solid->spacing_mm[a] * 1e6 + 0.5);
@@ -399,7 +399,7 @@ STORY(surfaces_on_sheared_grids_are_right_too)
 STORY(the_edge_of_the_scene_is_a_surface)
 {
     OWNED(scene_drop) struct scene *scene;
-    if (scene_new(&scene, (const uint32_t[3]){40, 40, 40}, NULL) != OK)
+    if (scene_new(&scene, (const uint32_t[3]){40, 40, 40}, NULL, NULL, NULL) != OK)
         abort();
     for (uint32_t z = 0; z < 40; z++)
         for (uint32_t y = 0; y < 40; y++)

@@ -18,7 +18,7 @@ STORY(a_passage_is_the_strongest_edge_that_most_paths_share)
     OWNED(scene_drop) struct scene *scene = NULL;
     OWNED(forest_drop) struct forest *forest = NULL;
     uint32_t at = 0;
-    CHECK(scene_new(&scene, (const uint32_t[]){VOXELS + REST, 1, 1}, NULL) == OK);
+    CHECK(scene_new(&scene, (const uint32_t[]){VOXELS + REST, 1, 1}, NULL, NULL, NULL) == OK);
     CHECK(forest_new(&forest, scene, 6, NULL) == OK);
     const uint32_t first = grid_cell(&scene->grid, 0, 0, 0);
     for (uint32_t x = 0; x < VOXELS + REST; x++)

@@ -84,7 +84,7 @@ static struct world random_world(uint64_t number, struct team *team)
     const uint32_t steep = 1 + check_below(&random, 3) * 6;
     struct arc_rule rule = {.kind = check_below(&random, 3), .polarity = {0, 50, -70}};
     struct world w = {0};
-    CHECK(scene_new(&w.scene, size, NULL) == OK);
+    CHECK(scene_new(&w.scene, size, NULL, NULL, NULL) == OK);
     CHECK(forest_new(&w.forest, w.scene, check_below(&random, 3) ? 6 : 26, NULL) == OK);
     CHECK(forest_set_team(w.forest, team, NULL) == OK);
     for (uint32_t z = 0; z < size[2]; z++)

@@ -36,7 +36,7 @@ static struct scene *small_scene(void)
 {
     static const uint32_t size[3] = {37, 5, 3};
     struct scene *scene = NULL;
-    CHECK_INT(scene_new(&scene, size, NULL), OK);
+    CHECK_INT(scene_new(&scene, size, NULL, NULL, NULL), OK);
     uint64_t random = 3;
     for (uint32_t z = 0; scene && z < size[2]; z++)
         for (uint32_t y = 0; y < size[1]; y++)

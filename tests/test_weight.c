@@ -16,7 +16,7 @@ static const struct weight_choice morph1 = {WEIGHT_MORPH, 1}, morph2 = {WEIGHT_M
 static struct scene *scene_of(uint32_t x, uint32_t y, uint32_t z, const uint16_t *intensity)
 {
     struct scene *scene;
-    if (scene_new_filled(&scene, (uint32_t[3]){x, y, z}, intensity, NULL, NULL) != OK)
+    if (scene_new(&scene, (uint32_t[3]){x, y, z}, intensity, NULL, NULL) != OK)
         abort();
     return scene;
 }
@@ -472,7 +472,7 @@ STORY(scenes_wider_and_higher_than_tiles_have_the_same_morph)
         const unsigned neighbours = i % 2 ? 26 : 6;
         OWNED(scene_drop) struct scene *scene = NULL;
         struct adjacency adjacency;
-        CHECK(scene_new(&scene, size, NULL) == OK);
+        CHECK(scene_new(&scene, size, NULL, NULL, NULL) == OK);
         adjacency_init(&adjacency, neighbours, &scene->grid);
         for (size_t k = 0; k < scene->grid.cells; k++)
             if (!(scene->cell[k].flags & CELL_RIM))

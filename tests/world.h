@@ -14,7 +14,7 @@ struct world {
 static inline struct world world_new(uint32_t x, uint32_t y, uint32_t z, unsigned adjacency)
 {
     struct world w = {0};
-    CHECK(scene_new(&w.scene, (uint32_t[]){x, y, z}, NULL) == OK);
+    CHECK(scene_new(&w.scene, (uint32_t[]){x, y, z}, NULL, NULL, NULL) == OK);
     CHECK(forest_new(&w.forest, w.scene, adjacency, NULL) == OK);
     return w;
 }

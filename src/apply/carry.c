@@ -123,7 +123,7 @@ static enum err find_affine(struct carry *carry, const struct carry_choice *choi
                          "--by affine needs both scenes, and a procedure's file has no scene; use "
                          "the journal with its scene, or --by landmarks, --by FILE (a transform "
                          "that was found with the scene) or --by world");
-    enum err err = scene_new_filled(&scene, p->size, choice->intensity, subject->watch, fault);
+    enum err err = scene_new(&scene, p->size, choice->intensity, subject->watch, fault);
     if (!err) {
         memcpy(scene->spacing_nm, geometry.spacing_nm, sizeof scene->spacing_nm);
         memcpy(scene->world_axis, geometry.world_axis, sizeof scene->world_axis);

@@ -95,11 +95,6 @@ static enum err finish_scene(struct scene **scene, enum err err, struct fault *f
     return err;
 }
 
-enum err scene_new(struct scene **out, const uint32_t size[3], struct fault *fault)
-{
-    return scene_new_filled(out, size, NULL, NULL, fault);
-}
-
 /* Allocate a scene whose cells are not initialised. */
 static enum err allocate_scene(struct scene **out, const uint32_t size[3], struct watch *watch,
                                struct fault *fault)
@@ -132,8 +127,8 @@ enum err scene_new_plain(struct scene **out, const uint32_t size[3], uint16_t *i
     return OK;
 }
 
-enum err scene_new_filled(struct scene **out, const uint32_t size[3], const uint16_t *intensity,
-                          struct watch *watch, struct fault *fault)
+enum err scene_new(struct scene **out, const uint32_t size[3], const uint16_t *intensity,
+                   struct watch *watch, struct fault *fault)
 {
     TRY(allocate_scene(out, size, watch, fault));
     make_slab(&(struct making){.scene = *out, .intensity = intensity}, 0);
@@ -264,7 +259,7 @@ enum err scene_new_interpolated(struct scene **out, const struct scene *base, un
 {
     uint32_t size[3];
     scene_interpolated_size(size, base->grid.size, doubled);
-    TRY(scene_new_filled(out, size, NULL, watch, fault));
+    TRY(scene_new(out, size, NULL, watch, fault));
     struct scene *const scene = *out;
     for (struct grid_walk w = scene_walk(scene, "interpolation", NULL, 0); grid_walk_next(&w);)
         for (uint32_t x = 0; x < size[0]; x++)
@@ -398,7 +393,7 @@ static void geom_row(struct geom_rows *rows, uint32_t y, uint32_t z, struct cell
 enum err scene_new_geom_of(struct scene **out, const uint32_t size[3], struct watch *watch,
                            struct fault *fault)
 {
-    TRY(scene_new_filled(out, size, NULL, watch, fault));
+    TRY(scene_new(out, size, NULL, watch, fault));
     OWNED(mem_release) int16_t *place = mem_array(size[0], sizeof *place);
     OWNED(mem_release) uint8_t *value = mem_array(size[0], sizeof *value);
     struct geom_rows rows = {{size[0], size[1], size[2]}, place, value};

@@ -184,11 +184,11 @@ static inline uint16_t scene_intensity(const struct scene *scene, unsigned chann
                : scene->channel[(channel ? channel : scene->shown) - 1].intensity[cell];
 }
 
-/* Create a scene of unreached voxels with intensity 0, spacing 1 mm, and the world's axes. */
-enum err scene_new(struct scene **scene, const uint32_t size[3], struct fault *fault);
-/* The same under a watch (ERR_CANCELLED), with these intensities [z][y][x] (NULL: 0). */
-enum err scene_new_filled(struct scene **scene, const uint32_t size[3], const uint16_t *intensity,
-                          struct watch *watch, struct fault *fault);
+/* Create a scene of unreached voxels with these intensities [z][y][x] (NULL: 0), spacing 1 mm, and
+ * the world's axes. ERR_INPUT, ERR_LIMIT (grid_init), ERR_MEMORY; ERR_CANCELLED by the watch, or
+ * NULL. The caller frees it; *scene is NULL after an error, here and below. */
+enum err scene_new(struct scene **scene, const uint32_t size[3], const uint16_t *intensity,
+                   struct watch *watch, struct fault *fault);
 /* Create a plain scene of these intensities, which were allocated by mem_array and belong to the
  * scene unless an error is returned. */
 enum err scene_new_plain(struct scene **scene, const uint32_t size[3], uint16_t *intensity,

@@ -39,7 +39,7 @@ static enum err make_box(struct confined *c, const struct voxels *within, struct
         high[a] += high[a] + 1 < grid->size[a];
         size[a] = high[a] - c->low[a] + 1;
     }
-    return scene_new_filled(&c->scene, size, NULL, c->session->watch, fault);
+    return scene_new(&c->scene, size, NULL, c->session->watch, fault);
 }
 
 static uint32_t in_box(const struct confined *c, uint32_t cell)
@@ -79,26 +79,23 @@ static enum err add_seeds(struct confined *c, const struct voxels *seeds,
     const struct session *session = c->session;
     const struct scene *from = session->scene;
     OWNED(mem_release) bool *is_within = mem_new(c->scene->grid.cells);
-    enum err err = OK;
     if (!is_within)
         return fault_memory(fault, "a tree");
     for (size_t i = 0; i < within->count; i++)
         is_within[in_box(c, within->cell[i])] = true;
-    for (struct grid_walk w = scene_walk(c->scene, "a tree", NULL, 0);
-         !err && grid_walk_next(&w);) {
+    for (struct grid_walk w = scene_walk(c->scene, "a tree", NULL, 0); grid_walk_next(&w);) {
         uint32_t cell = grid_cell(&from->grid, c->low[0], c->low[1] + w.y, c->low[2] + w.z);
-        for (uint32_t to = w.row.first; !err && to < w.row.end; to++, cell++) {
+        for (uint32_t to = w.row.first; to < w.row.end; to++, cell++) {
             const bool holds = !is_within[to] || (from->cell[cell].flags & CELL_SEED &&
                                                   markers_show(&session->markers, cell));
             if (may_enter(c, cell) && holds)
-                err = edits_add(&c->edits, (struct edit){to, from->cell[cell].label, 0}, fault);
+                TRY(edits_add(&c->edits, (struct edit){to, from->cell[cell].label, 0}, fault));
         }
     }
-    for (size_t i = 0; !err && i < seeds->count; i++)
+    for (size_t i = 0; i < seeds->count; i++)
         if (may_enter(c, seeds->cell[i]))
-            err =
-                edits_add(&c->edits, (struct edit){in_box(c, seeds->cell[i]), c->label, 0}, fault);
-    return err;
+            TRY(edits_add(&c->edits, (struct edit){in_box(c, seeds->cell[i]), c->label, 0}, fault));
+    return OK;
 }
 
 /* Collect the seeds in voxels of chosen labels, and voxels whose label the tree changes. */
@@ -122,32 +119,30 @@ static enum err collect_grown(struct confined *c, const struct voxels *seeds,
     return OK;
 }
 
+static void confined_release(struct confined *c)
+{
+    edits_release(&c->edits);
+    forest_free(c->forest);
+    scene_free(c->scene);
+}
+
 enum err session_grow_confined(const struct session *session, const struct label_set *takes,
                                int16_t label, const struct voxels *seeds,
                                const struct voxels *within, struct voxels *grown,
                                struct fault *fault)
 {
+    OWNED(confined_release)
     struct confined c = {.session = session, .takes = takes, .label = label};
     if (!within->count)
         return OK;
-    enum err err = make_box(&c, within, fault);
-    if (!err) {
-        for (struct grid_walk w = scene_walk(c.scene, "a tree", NULL, 0); grid_walk_next(&w);)
-            copy_row(&c, w.y, w.z, w.row);
-        err = forest_new(&c.forest, c.scene, session->now.kept.adjacency, fault);
-    }
-    if (!err) {
-        forest_set_arcs(c.forest, forest_arcs(session->forest));
-        err = forest_rebuild(c.forest, fault);
-    }
-    if (!err)
-        err = add_seeds(&c, seeds, within, fault);
-    if (!err)
-        err = forest_edit(c.forest, edits_first(&c.edits), edits_count(&c.edits), fault);
-    if (!err)
-        err = collect_grown(&c, seeds, within, grown, fault);
-    edits_release(&c.edits);
-    forest_free(c.forest);
-    scene_free(c.scene);
-    return err ? err : watch_fault(session->watch, fault);
+    TRY(make_box(&c, within, fault));
+    for (struct grid_walk w = scene_walk(c.scene, "a tree", NULL, 0); grid_walk_next(&w);)
+        copy_row(&c, w.y, w.z, w.row);
+    TRY(forest_new(&c.forest, c.scene, session->now.kept.adjacency, fault));
+    forest_set_arcs(c.forest, forest_arcs(session->forest));
+    TRY(forest_rebuild(c.forest, fault));
+    TRY(add_seeds(&c, seeds, within, fault));
+    TRY(forest_edit(c.forest, edits_first(&c.edits), edits_count(&c.edits), fault));
+    TRY(collect_grown(&c, seeds, within, grown, fault));
+    return watch_fault(session->watch, fault);
 }

@@ -92,7 +92,7 @@ static void place_ball(struct growth *growth, const uint32_t count[3])
 static void make_scene(struct growth *growth, const struct scene *tile, const uint32_t count[3])
 {
     const uint32_t size[3] = {count[0] * TILE_X, count[1] * TILE_Y, count[2] * TILE_Z};
-    must(scene_new(&growth->scene, size, &bench_fault));
+    must(scene_new(&growth->scene, size, NULL, NULL, &bench_fault));
     must(forest_new(&growth->forest, growth->scene, 6, &bench_fault));
     must(border_init(&growth->border, growth->scene, &bench_fault));
     lay_tiles(growth->scene, tile);

@@ -168,7 +168,7 @@ static enum err make_scene(struct workload *work, const char *image, const char 
     if (!err)
         err = widen(work, fault);
     if (!err)
-        err = scene_new_filled(&work->scene, work->image.size, work->image.intensity, NULL, fault);
+        err = scene_new(&work->scene, work->image.size, work->image.intensity, NULL, fault);
     if (!err)
         err = map_check_size(work->atlas.size, &work->scene->grid, fault);
     if (err)
