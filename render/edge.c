@@ -81,6 +81,8 @@ static bool is_behind(const struct edges *edges, size_t front, size_t back, cons
                       int64_t steps)
 {
     const int64_t *depth = edges->rendition->depth;
+    if (depth[front] == DEPTH_NONE || depth[back] == DEPTH_NONE)
+        return depth[front] < depth[back]; /* the background is behind everything */
     const int64_t fall = (depth[back] - depth[front]) >> DEPTH_BITS;
     if (fall <= edges->voxel * ROUGH / 2)
         return false;

@@ -202,6 +202,18 @@ STORY(objects_that_touch_have_one_line_between_them)
     }
 }
 
+STORY(the_background_is_behind_an_object_whatever_its_label)
+{
+    OWNED(stage_release) struct stage s;
+    begin(&s);
+    fill(&s, 1, in_ball);
+    OWNED(rendition_release) struct rendition out = draw(&s, 1, true);
+    const int lines[] = {count(&s, EDGE_DARK, 25), count(&s, EDGE_LIGHT, 25)};
+    memset(s.rendition.label, 0, (size_t)s.rendition.width * s.rendition.height);
+    CHECK_INT(count(&s, EDGE_DARK, 25), lines[0]);
+    CHECK_INT(count(&s, EDGE_LIGHT, 25), lines[1]);
+}
+
 STORY(what_is_round_or_steep_has_no_line_but_its_outline)
 {
     for (int shape = 0; shape < 2; shape++) {
