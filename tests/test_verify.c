@@ -196,10 +196,10 @@ STORY(half_a_result_is_none)
 STORY(text_from_outside_cannot_be_markup)
 {
     OWNED(buf_release) struct buf out = {0};
-    markup_add(&out, "a<b>&\"c'\x1b\n\xff");
+    markup_add(&out, "a<b>&\"c'\x1b\n\xff", "");
     CHECK_TEXT(buf_text(&out), "a&lt;b&gt;&amp;&quot;c&#39;\\x1b\n\\xff");
     buf_clear(&out);
-    markup_add(&out, "\xEF\xBF\xBE!\xEF\xBF\xBF"); /* XML has no such characters */
+    markup_add(&out, "\xEF\xBF\xBE!\xEF\xBF\xBF", ""); /* XML has no such characters */
     CHECK_TEXT(buf_text(&out), "\\xef\\xbf\\xbe!\\xef\\xbf\\xbf");
 }
 

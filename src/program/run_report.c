@@ -140,13 +140,10 @@ static enum err add_labels(struct page *page, struct fault *fault)
                    "<tr><td><span class=\"swatch\" style=\"background: #%02x%02x%02x\"></span></td>"
                    "<td class=\"n\">%u</td><td>",
                    rgb[0], rgb[1], rgb[2], number[label]);
-        markup_add(out, session->now.kept.label_name[label]);
-        buf_printf(out, "</td><td class=\"n\">%llu</td><td class=\"n\">",
-                   (unsigned long long)sums->voxels);
-        markup_add(out, buf_text(&volume));
-        buf_add_text(out, "</td><td>");
-        markup_add(out, buf_text(&words));
-        buf_add_text(out, "</td></tr>\n");
+        markup_add(out, session->now.kept.label_name[label], "</td><td class=\"n\">");
+        buf_printf(out, "%llu</td><td class=\"n\">", (unsigned long long)sums->voxels);
+        markup_add(out, buf_text(&volume), "</td><td>");
+        markup_add(out, buf_text(&words), "</td></tr>\n");
         out->failed |= volume.failed || words.failed;
     }
     buf_add_text(out, "</table></div>\n<h2>Slices</h2>\n<div class=\"pictures\">\n");
@@ -202,10 +199,8 @@ static enum err add_comparison(struct page *page, const char *map, struct fault 
         buf_add_text(&line, " finished=yes");
     TRY(interpreter_execute(page->interp, buf_text(&line), &reply, fault));
     buf_add_text(&page->out, "<h2>Comparison with ");
-    markup_add(&page->out, map);
-    buf_add_text(&page->out, "</h2>\n<pre>");
-    markup_add(&page->out, buf_text(&reply.text));
-    buf_add_text(&page->out, "</pre>\n");
+    markup_add(&page->out, map, "</h2>\n<pre>");
+    markup_add(&page->out, buf_text(&reply.text), "</pre>\n");
     return OK;
 }
 
@@ -218,10 +213,10 @@ static enum err add_all(struct page *page, const struct options *o, struct fault
     watched_verdict(&verdict, w);
     page_begin(out, file_name(o->word[0]));
     buf_add_text(out, "<h1>");
-    markup_add(out, file_name(o->word[0]));
-    buf_printf(out, "</h1>\n<p class=\"%s\">", w->ended ? "failed" : "verified");
-    markup_add(out, buf_text(&verdict));
-    buf_printf(out, "</p>\n<p>chain %s<br>semantics %u, iftty " PROGRAM_VERSION "</p>\n",
+    markup_add(out, file_name(o->word[0]), "</h1>\n");
+    buf_printf(out, "<p class=\"%s\">", w->ended ? "failed" : "verified");
+    markup_add(out, buf_text(&verdict), "</p>\n");
+    buf_printf(out, "<p>chain %s<br>semantics %u, iftty " PROGRAM_VERSION "</p>\n",
                w->report.chain.hex, page->interp->session->semantics);
     TRY(add_labels(page, fault));
     if (o->compare)

@@ -115,8 +115,9 @@ enum err diff_journals(const struct diff_options *options, const struct printer 
 
 /* Add text between tags or in a quoted attribute: the only way by which untrusted bytes reach a
  * report. Bytes that are not printable UTF-8 become \xNN, as on a terminal (base/safe.h), so that
- * the rest is valid XML; then & < > " ' become entities. A line feed is kept. */
-void markup_add(struct buf *out, const char *text);
+ * the rest is valid XML; then & < > " ' become entities. A line feed is kept.
+ * Markup `after` follows as it is. */
+void markup_add(struct buf *out, const char *text, const char *after);
 
 void page_begin(struct buf *out, const char *title);
 void page_end(struct buf *out);

@@ -145,7 +145,7 @@ struct verify_sum verify_sum(const struct verify_result *result, size_t count)
 
 /* ---- text in markup ---- */
 
-void markup_add(struct buf *out, const char *text)
+void markup_add(struct buf *out, const char *text, const char *after)
 {
     static const char special[] = "&<>\"'";
     static const char *const entity[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
@@ -164,6 +164,7 @@ void markup_add(struct buf *out, const char *text)
         else
             buf_add_char(out, *at);
     }
+    buf_add_text(out, after);
     out->failed = out->failed || safe.failed;
 }
 
@@ -178,20 +179,16 @@ static void add_case(struct buf *out, const struct verify_result *r)
 {
     const char *element = r->err == ERR_CHECK ? "failure" : "error";
     buf_add_text(out, "    <testcase classname=\"iftty\" name=\"");
-    markup_add(out, r->path);
-    buf_add_char(out, '"');
+    markup_add(out, r->path, "\"");
     add_seconds(out, r->took_ms);
     if (!r->err) {
         buf_add_text(out, r->is_skipped ? "><skipped/></testcase>\n" : "/>\n");
         return;
     }
-    buf_add_text(out, ">\n");
-    buf_printf(out, "      <%s type=\"%s\" message=\"", element, err_name(r->err));
-    markup_add(out, buf_text(&r->why));
-    buf_add_text(out, "\">");
-    markup_add(out, buf_text(&r->lines));
-    buf_printf(out, "</%s>\n", element);
-    buf_add_text(out, "    </testcase>\n");
+    buf_printf(out, ">\n      <%s type=\"%s\" message=\"", element, err_name(r->err));
+    markup_add(out, buf_text(&r->why), "\">");
+    markup_add(out, buf_text(&r->lines), "");
+    buf_printf(out, "</%s>\n    </testcase>\n", element);
 }
 
 static void add_suite(struct buf *out, const struct verify_sum *sum)
@@ -248,8 +245,7 @@ static const char page_head[] =
 void page_begin(struct buf *out, const char *title)
 {
     buf_add_text(out, page_head);
-    markup_add(out, title);
-    buf_add_text(out, "</title>\n</head>\n<body>\n");
+    markup_add(out, title, "</title>\n</head>\n<body>\n");
 }
 
 void page_end(struct buf *out)
@@ -260,12 +256,10 @@ void page_end(struct buf *out)
 void page_add_picture(struct buf *out, const char *caption, const struct buf *png)
 {
     buf_add_text(out, "<figure><img alt=\"");
-    markup_add(out, caption);
-    buf_add_text(out, "\" src=\"data:image/png;base64,");
+    markup_add(out, caption, "\" src=\"data:image/png;base64,");
     buf_add_base64(out, buf_text(png), png->length);
     buf_add_text(out, "\"><figcaption>");
-    markup_add(out, caption);
-    buf_add_text(out, "</figcaption></figure>\n");
+    markup_add(out, caption, "</figcaption></figure>\n");
 }
 
 static void add_row(struct buf *out, size_t number, const struct verify_result *r)
@@ -275,9 +269,7 @@ static void add_row(struct buf *out, size_t number, const struct verify_result *
                outcome);
     if (r->err)
         buf_printf(out, "<a href=\"#j%zu\">", number);
-    markup_add(out, r->path);
-    buf_add_text(out, r->err ? "</a>" : "");
-    buf_add_text(out, "</td>");
+    markup_add(out, r->path, r->err ? "</a></td>" : "</td>");
     const uint64_t count[] = {r->executed,         r->compared,        r->digests,
                               r->evidence.goldens, r->evidence.pixels, r->took_ms};
     for (size_t i = 0; i < sizeof count / sizeof *count; i++)
@@ -298,12 +290,9 @@ static void add_pictures(struct buf *out, const struct evidence *evidence)
 static void add_failure(struct buf *out, size_t number, const struct verify_result *r)
 {
     buf_printf(out, "<section id=\"j%zu\">\n<h2>", number);
-    markup_add(out, r->path);
-    buf_add_text(out, "</h2>\n<p class=\"failed\">");
-    markup_add(out, buf_text(&r->why));
-    buf_add_text(out, "</p>\n<pre>");
-    markup_add(out, buf_text(&r->lines));
-    buf_add_text(out, "</pre>\n");
+    markup_add(out, r->path, "</h2>\n<p class=\"failed\">");
+    markup_add(out, buf_text(&r->why), "</p>\n<pre>");
+    markup_add(out, buf_text(&r->lines), "</pre>\n");
     add_pictures(out, &r->evidence);
     buf_add_text(out, "</section>\n");
 }
@@ -316,8 +305,7 @@ static void add_page(struct buf *out, const struct verify_result *result, size_t
                sum.failed ? "failed" : "fine", sum.failed);
     if (sum.skipped)
         buf_printf(out, ", <span class=\"skipped\">%zu skipped</span>", sum.skipped);
-    buf_add_text(out, "</h1>\n");
-    buf_add_text(out, "<div class=\"table\"><table>\n"
+    buf_add_text(out, "</h1>\n<div class=\"table\"><table>\n"
                       "<tr><th></th><th></th><th>journal</th><th class=\"n\">commands</th>"
                       "<th class=\"n\">results the same</th><th class=\"n\">digests</th>"
                       "<th class=\"n\">golden images</th><th class=\"n\">pixels</th>"
@@ -332,10 +320,8 @@ static void add_page(struct buf *out, const struct verify_result *result, size_t
         if (!result[i].slowest.length)
             continue;
         buf_add_text(out, "<h2>The slowest records of ");
-        markup_add(out, result[i].path);
-        buf_add_text(out, "</h2>\n<pre>");
-        markup_add(out, buf_text(&result[i].slowest));
-        buf_add_text(out, "</pre>\n");
+        markup_add(out, result[i].path, "</h2>\n<pre>");
+        markup_add(out, buf_text(&result[i].slowest), "</pre>\n");
     }
     page_end(out);
 }
