@@ -9,9 +9,9 @@
 
 static void write(struct buf *out, const char *command)
 {
-    OWNED(anonymiser_release) struct anonymiser anonymiser = {{0}};
+    OWNED(buf_release) struct buf names = {0};
     buf_clear(out);
-    anonymise_command(&anonymiser, out, command);
+    anonymise_command(&names, out, command);
 }
 
 /* Words that stay though they may be any text. A parameter that joins them needs its reason. */

@@ -37,7 +37,7 @@ static bool read_pattern(struct pattern *pattern, const char *name)
     const char *percent = strchr(name, '%'), *at;
     *pattern = (struct pattern){.name = name, .rest = "", .before = strlen(name)};
     if (!percent)
-        return image_movie_is_named(name);
+        return file_is_named(name, IMAGE_MOVIES);
     at = percent + 1;
     if (at[0] == '0' && at[1] >= '1' && at[1] <= '9') {
         pattern->digits = at[1] - '0';
@@ -264,10 +264,9 @@ enum err act_spin(const struct act *act)
                          spin.count, IMAGE_FRAMES_MOST);
     if (act->interp->mode == MODE_SKIM)
         return OK;
-    enum err err = draw_turns(&spin);
+    const enum err err = draw_turns(&spin);
     image_movie_abandon(&spin.movie);
-    if (err)
-        return err;
+    TRY(err);
     act_add_digest(act, "spin", spin.digest);
     if (!spin.path->length)
         return OK;
@@ -369,18 +368,16 @@ enum err act_write_picture(const struct act *act, const char *path, enum file_mo
     struct interpreter *interp = act->interp;
     const bool is_beside =
         interp->writer && interp->mode == MODE_LIVE && picture_writer_takes(path);
-    enum err err;
     if (is_beside) { /* a job for the picture writer, queued once the command is recorded */
         if (picture_writer_holds(interp->writer, path))
             picture_writer_wait(interp->writer, NULL); /* so that its file exists */
         interpreter_note_existing(interp, path, mode);
-        err = picture_job_new(&interp->job, path, mode, picture, act->fault);
+        TRY(picture_job_new(&interp->job, path, mode, picture, act->fault));
     } else {
-        err = act_write_now(interp, path, mode, picture, act->fault);
+        TRY(act_write_now(interp, path, mode, picture, act->fault));
     }
-    if (!err)
-        act_write_file_line(is_beside ? "writing " : "wrote ", path, act->reply);
-    return err;
+    act_write_file_line(is_beside ? "writing " : "wrote ", path, act->reply);
+    return OK;
 }
 
 enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels)

@@ -12,22 +12,17 @@
 #include "image/volume.h"
 #include "show/label_table.h"
 
-void anonymiser_release(struct anonymiser *anonymiser)
-{
-    buf_release(&anonymiser->names);
-}
-
 /* ---- names of files ---- */
 
 /* Return the number of a name, from 1, in order of appearance. */
-static unsigned number_of(struct anonymiser *anonymiser, const char *name)
+static unsigned number_of(struct buf *names, const char *name)
 {
     unsigned number = 1;
-    const char *at = buf_text(&anonymiser->names), *end = at + anonymiser->names.length;
+    const char *at = buf_text(names), *end = at + names->length;
     for (; at < end; at += strlen(at) + 1, number++)
         if (strcmp(at, name) == 0)
             return number;
-    buf_add(&anonymiser->names, name, strlen(name) + 1);
+    buf_add(names, name, strlen(name) + 1);
     return number;
 }
 
@@ -55,15 +50,14 @@ static const char *ending_of(const char *name)
                : ending;
 }
 
-static void add_name(struct anonymiser *anonymiser, struct buf *out, const char *name,
-                     bool is_scene)
+static void add_name(struct buf *names, struct buf *out, const char *name, bool is_scene)
 {
     OWNED(buf_release) struct buf word = {0};
     const char *ending = ending_of(file_name(name));
     if (is_scene)
         buf_add_text(&word, "scene");
     else
-        buf_printf(&word, "file-%u%s", number_of(anonymiser, name), *ending == '%' ? "-" : "");
+        buf_printf(&word, "file-%u%s", number_of(names, name), *ending == '%' ? "-" : "");
     buf_add_text(&word, ending);
     command_write_word(out, buf_text(&word));
     out->failed |= word.failed;
@@ -92,7 +86,7 @@ static enum fate judge(const struct parameter *p, const char *value)
 }
 
 /* Add a word after the name of the command, and mark its parameter as given. */
-static void add_word(struct anonymiser *anonymiser, struct buf *out, const struct command *command,
+static void add_word(struct buf *names, struct buf *out, const struct command *command,
                      struct value *value, const char *word, const char *as_written, size_t length)
 {
     const char *text = word;
@@ -115,10 +109,10 @@ static void add_word(struct anonymiser *anonymiser, struct buf *out, const struc
     }
     if (p && p->is_scene && scan_text(&text, "raw:"))
         buf_add_text(out, "raw:");
-    add_name(anonymiser, out, text, p && p->is_scene);
+    add_name(names, out, text, p && p->is_scene);
 }
 
-void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const char *command)
+void anonymise_command(struct buf *names, struct buf *out, const char *command)
 {
     struct value value[PARAMETERS_MOST] = {{.given = false}};
     OWNED(buf_release) struct buf word = {0};
@@ -134,10 +128,9 @@ void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const cha
             known = command_find(buf_text(&word));
             buf_add(out, command, (size_t)(rest - command));
         } else {
-            add_word(anonymiser, out, known, value, buf_text(&word), command,
-                     (size_t)(rest - command));
+            add_word(names, out, known, value, buf_text(&word), command, (size_t)(rest - command));
         }
         command = rest + strspn(rest, " \t");
     }
-    out->failed |= word.failed | anonymiser->names.failed;
+    out->failed |= word.failed | names->failed;
 }

@@ -16,12 +16,8 @@
 
 #include "base/buf.h"
 
-struct anonymiser {
-    struct buf names; /* files in order of appearance, each ended by NUL */
-};
-void anonymiser_release(struct anonymiser *anonymiser);
-
-/* Add a command of a journal or script, without its line feed. */
-void anonymise_command(struct anonymiser *anonymiser, struct buf *out, const char *command);
+/* Add a command of a journal or script, without its line feed. `names` is empty for the first one;
+ * it keeps the files in order of appearance, each ended by NUL. */
+void anonymise_command(struct buf *names, struct buf *out, const char *command);
 
 #endif

@@ -99,11 +99,6 @@ static enum err check_request(const char *doing, const char *path, const struct 
     return OK;
 }
 
-bool image_movie_is_named(const char *path)
-{
-    return file_is_named(path, ".gif|.tif|.tiff");
-}
-
 static void release_movie(struct image_movie *movie)
 {
     if (movie->draft.length)

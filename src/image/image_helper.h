@@ -93,8 +93,8 @@ struct image_movie {
     struct buf draft;
 };
 
-/* Return true for the name of a format that holds several pictures. */
-bool image_movie_is_named(const char *path);
+/* Endings of formats that hold several pictures. */
+#define IMAGE_MOVIES ".gif|.tif|.tiff"
 
 /* Begin a file of `frames` pictures, 1..IMAGE_FRAMES_MOST, each shown for `delay_ms`, with the size
  * and the notes of `like`. An error of this and the next two functions removes the file. */

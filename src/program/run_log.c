@@ -18,17 +18,16 @@
 static enum err anonymise_script(struct buf *out, const char *bytes, size_t length,
                                  struct fault *fault)
 {
-    OWNED(anonymiser_release) struct anonymiser anonymiser = {0};
+    OWNED(buf_release) struct buf names = {0};
     OWNED(walk_release) struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes, length, fault);
-    while (!err && walk_next(&walk, &record) == WALK_RECORD) {
-        anonymise_command(&anonymiser, out, record.command);
+    TRY(walk_begin(&walk, bytes, length, fault));
+    while (walk_next(&walk, &record) == WALK_RECORD) {
+        anonymise_command(&names, out, record.command);
         buf_add_char(out, '\n');
     }
-    if (!err)
-        err = walk_judge(&walk, fault);
-    return out->failed ? fault_memory(fault, "the commands of a journal") : err;
+    return out->failed ? fault_memory(fault, "the commands of a journal")
+                       : walk_judge(&walk, fault);
 }
 
 /* ---- the forms ---- */
@@ -91,8 +90,8 @@ static enum err list_times(struct buf *out, const char *bytes, size_t length, st
     OWNED(walk_release) struct walk walk;
     OWNED(buf_release) struct buf signature = {0};
     struct record record;
-    enum err err = walk_begin(&walk, bytes, length, fault);
-    while (!err && walk_next(&walk, &record) == WALK_RECORD) {
+    TRY(walk_begin(&walk, bytes, length, fault));
+    while (walk_next(&walk, &record) == WALK_RECORD) {
         buf_clear(&signature);
         record_comments(NULL, &signature, bytes, &record);
         buf_printf(out, "%zu", record.number);
@@ -104,9 +103,8 @@ static enum err list_times(struct buf *out, const char *bytes, size_t length, st
         }
         buf_printf(out, " %s\n", record.command);
     }
-    if (!err)
-        err = walk_judge(&walk, fault);
-    return out->failed || signature.failed ? fault_memory(fault, "the records of a journal") : err;
+    return out->failed || signature.failed ? fault_memory(fault, "the records of a journal")
+                                           : walk_judge(&walk, fault);
 }
 
 enum err run_log_times(const struct options *o, struct fault *fault)
