@@ -192,16 +192,13 @@ static enum err take_over(struct journal *journal, const struct buf *bytes,
                           const struct walk *sound, struct buf *notice, struct fault *fault)
 {
     const bool has_tail = sound->over != WALK_END && bytes->length > 0;
-    enum err err = OK;
     buf_add(&journal->kept, buf_text(bytes), sound->offset);
     if (journal->kept.failed)
         return fault_memory(fault, "the journal");
     if (has_tail && journal->log)
-        err = cut_tail(journal, bytes, sound, notice, fault);
+        TRY(cut_tail(journal, bytes, sound, notice, fault));
     else if (has_tail && notice)
         buf_printf(notice, "%s; it was left where it is", sound->fault.text);
-    if (err)
-        return err;
     journal->count = sound->records;
     journal->chain = sound->chain;
     if (sound->offset > 0) { /* line 1 of the file, for the first record's chain */
@@ -325,14 +322,11 @@ enum err journal_append(struct journal *journal, const char *command, const char
                        : record_encode(&bytes, &chain, header, buf_text(&comments), &record, fault);
     if (!err)
         err = append_bytes(journal, &bytes, words == NULL, fault);
-    if (err)
-        fault_prefix(fault, err, "not recorded");
-    if (!err) {
-        journal->count++;
-        journal->chain = chain;
-        buf_clear(&journal->comments);
-    }
-    return err;
+    TRY(fault_prefix(fault, err, "not recorded"));
+    journal->count++;
+    journal->chain = chain;
+    buf_clear(&journal->comments);
+    return OK;
 }
 
 enum err journal_comment(struct journal *journal, const char *comment, struct fault *fault)
@@ -441,8 +435,8 @@ enum err journal_script(struct buf *out, const char *bytes, size_t length, struc
 {
     OWNED(walk_release) struct walk walk;
     struct record record;
-    enum err err = walk_begin(&walk, bytes, length, fault);
-    while (!err && walk_next(&walk, &record) == WALK_RECORD) {
+    TRY(walk_begin(&walk, bytes, length, fault));
+    while (walk_next(&walk, &record) == WALK_RECORD) {
         record_comments(out, NULL, walk.bytes, &record);
         buf_add(out, walk.bytes + record.command_offset,
                 (size_t)(record.result_offset - record.command_offset));
@@ -451,9 +445,8 @@ enum err journal_script(struct buf *out, const char *bytes, size_t length, struc
     }
     if (walk.over == WALK_END) /* last comments of a script */
         buf_add(out, walk.bytes + walk.offset, walk.length - walk.offset);
-    if (!err)
-        err = walk_judge(&walk, fault);
-    return out->failed ? fault_memory(fault, "the commands of a journal") : err;
+    return out->failed ? fault_memory(fault, "the commands of a journal")
+                       : walk_judge(&walk, fault);
 }
 
 static enum err condition_set(struct journal_condition *condition, enum journal_state state,

@@ -178,9 +178,8 @@ enum err replay_run(const char *bytes, size_t length, const struct replay_host *
                     struct fault *fault)
 {
     struct replay replay;
-    enum err err = replay_begin(&replay, bytes, length, host, options, report, fault);
-    if (err)
-        return err;
+    enum err err = OK;
+    TRY(replay_begin(&replay, bytes, length, host, options, report, fault));
     while (!err && !replay.is_over)
         err = replay_next(&replay, fault);
     return replay_end(&replay, err, fault);

@@ -474,10 +474,9 @@ static enum err compare_records(const struct making *m, const char *draft)
     OWNED(buf_release) struct buf bytes = {0}, own_bytes = {0};
     OWNED(walk_release) struct walk walk = {0}, own = {0};
     struct record record, own_record;
-    enum err err = walk_file(&walk, &bytes, draft, m->fault);
-    if (!err)
-        err = walk_file(&own, &own_bytes, buf_text(&m->subject->journal), m->fault);
-    bool same = !err;
+    bool same = true;
+    TRY(walk_file(&walk, &bytes, draft, m->fault));
+    TRY(walk_file(&own, &own_bytes, buf_text(&m->subject->journal), m->fault));
     while (same && walk_next_sound(&walk, &record) == WALK_RECORD)
         same = walk_next_sound(&own, &own_record) == WALK_RECORD &&
                strcmp(record.command, own_record.command) == 0 &&
@@ -485,7 +484,7 @@ static enum err compare_records(const struct making *m, const char *draft)
     while (same && walk_next_sound(&own, &own_record) == WALK_RECORD)
         ;
     same = same && walk.over == WALK_END && own.over == WALK_END;
-    return err || same ? err : refuse_journal(m);
+    return same ? OK : refuse_journal(m);
 }
 
 /* ---- results ---- */

@@ -661,20 +661,18 @@ static enum err copy(const char *path, const char *backup, struct fault *fault)
     char piece[COPY_PIECE];
     uint64_t bytes, at = 0;
     OWNED(file_release) int from = -1;
-    enum err err = file_open(&from, &bytes, path, O_RDONLY, fault);
-    if (err)
-        return err;
+    TRY(file_open(&from, &bytes, path, O_RDONLY, fault));
     OWNED(file_release) int to = file_step_open(backup, O_WRONLY | O_CREAT | O_EXCL);
     bool fine = to >= 0;
     for (ssize_t n = 1; fine && n != 0; at += (uint64_t)n) {
         n = file_read_at(from, piece, sizeof piece, at);
         fine = n >= 0 && file_step_write(to, path, piece, (size_t)n);
     }
-    if (!fine || !file_step_sync(to, path)) {
-        err = fault_errno(fault, "keep the former", path);
-        if (to >= 0)
-            file_discard(backup);
-    }
+    if (fine && file_step_sync(to, path))
+        return OK;
+    const enum err err = fault_errno(fault, "keep the former", path);
+    if (to >= 0)
+        file_discard(backup);
     return err;
 }
 

@@ -60,23 +60,22 @@ static enum err remove_trees(const struct act *act)
     struct record_word word;
     OWNED(voxels_release) struct voxels v = {0};
     size_t count;
-    enum err err;
     if (act_find_recorded(act, "took", &word)) {
-        err = read_taken(&session->scene->grid, &word, taken, &count, act->fault);
-        err = err ? err : session_erase_seeds(session, taken, count, act->fault);
+        TRY(read_taken(&session->scene->grid, &word, taken, &count, act->fault));
+        TRY(session_erase_seeds(session, taken, count, act->fault));
     } else {
-        err = find_removed(act, &v);
-        err = err ? err : session_erase_trees(session, v.cell, v.count, act->fault);
+        TRY(find_removed(act, &v));
+        TRY(session_erase_trees(session, v.cell, v.count, act->fault));
     }
     /* Record the removed seeds: "took=X,Y,Z;X,Y,Z"; nothing if there are too many for a line. */
     const struct edit *edit = edits_first(&session->now.lists.pending);
     const size_t before = edits_count(&session->former.lists.pending),
                  now = session_pendings(session);
-    for (size_t i = before; !err && now - before <= TAKEN_MOST && i < now; i++) {
+    for (size_t i = before; now - before <= TAKEN_MOST && i < now; i++) {
         const struct place p = grid_place(&session->scene->grid, edit[i].cell);
         buf_printf(&act->reply->words, "%s%u,%u,%u", i == before ? "took=" : ";", p.x, p.y, p.z);
     }
-    return err;
+    return OK;
 }
 
 /* ---- markers ---- */
@@ -109,23 +108,18 @@ static enum err remove_markers(const struct act *act)
     OWNED(voxels_release) struct voxels v = {0};
     OWNED(mem_release) uint32_t *number = NULL;
     size_t count, seeds = 0;
-    enum err err;
     if (act_find_recorded(act, "removed", &word)) {
-        err = read_removed(markers, &word, &number, &count, act->fault);
+        TRY(read_removed(markers, &word, &number, &count, act->fault));
     } else {
-        err = find_removed(act, &v);
-        if (!err)
-            err = session_find_markers(session, v.cell, v.count, &number, &count, act->fault);
+        TRY(find_removed(act, &v));
+        TRY(session_find_markers(session, v.cell, v.count, &number, &count, act->fault));
     }
     /* Count the seeds of a whole stroke, or of an outline without its ring. */
-    const uint32_t first = !err && count == 1 ? number[0] : 0;
+    const uint32_t first = count == 1 ? number[0] : 0;
     for (uint32_t n = first; n; n = markers_next(markers, n))
         if (markers->marker[n - 1].label == markers->marker[first - 1].label)
             seeds += markers->marker[n - 1].voxels;
-    if (!err)
-        err = session_remove_markers(session, number, count, act->fault);
-    if (err)
-        return err;
+    TRY(session_remove_markers(session, number, count, act->fault));
     /* Record the removed markers: "removed=3,7-9", in order. */
     struct buf *words = &act->reply->words, *out = &act->reply->text;
     buf_add_blank(words);
@@ -389,16 +383,16 @@ static enum err fill_with_labels(struct volume *map, const uint8_t *beyond, cons
 {
     struct session *session = act->session;
     struct labels labels = labels_of_forest(session->scene);
-    enum err err = session_catch_up(session, act->fault);
     uint16_t *to = map->intensity;
-    if (!err && act_is_yes(act, "finished"))
-        err = session_labels(session, true, &labels, act->fault);
+    TRY(session_catch_up(session, act->fault));
+    if (act_is_yes(act, "finished"))
+        TRY(session_labels(session, true, &labels, act->fault));
     for (struct grid_walk w = scene_walk(session->scene, "present labels", NULL, 0);
-         !err && grid_walk_next(&w);)
+         grid_walk_next(&w);)
         for (uint32_t c = w.row.first; c < w.row.end; c++, to++)
             if (!beyond || (*beyond++ && labels_at(&labels, c)))
                 *to = labels_at(&labels, c);
-    return err ? err : watch_fault(session->watch, act->fault);
+    return watch_fault(session->watch, act->fault);
 }
 
 /* Take the present labels as the map. */
@@ -453,15 +447,11 @@ static enum err read_original(struct volume *map, struct label_table *names, con
             return fault_memory(act->fault, "the regions that are kept");
         memcpy(region, map->intensity, voxels * sizeof *region);
     }
-    enum err err = map_label(map, &choice, session->watch, act->fault);
-    if (!err && region)
-        err = mark_kept(map, region, act->fault);
-    if (err)
-        return act_prefix_file(act, err);
+    TRY(act_prefix_file(act, map_label(map, &choice, session->watch, act->fault)));
+    if (region)
+        TRY(act_prefix_file(act, mark_kept(map, region, act->fault)));
     if (beyond)
-        err = fill_with_labels(map, beyond, act);
-    if (err)
-        return err;
+        TRY(fill_with_labels(map, beyond, act));
     choose_names(names, act, &regions);
     buf_add_text(&act->reply->text, map->notes);
     return OK;
@@ -541,11 +531,9 @@ static enum err read_recorded(struct volume *map, struct label_table *names, con
         err = apply_numbers(act, numbered->text);
     if (err && !has_copy && path->length)
         fault_prefix(act->fault, err, "there is no copy %s", buf_text(path));
+    TRY(err);
     write_names(words, names);
-    if (!err)
-        err = label_copy_digest(digest, map, words, act->session->watch, act->fault);
-    if (err)
-        return err;
+    TRY(label_copy_digest(digest, map, words, act->session->watch, act->fault));
     const bool same_numbers =
         has_copy || strcmp(buf_text(numbers), numbered->given ? numbered->text : "") == 0;
     return same_numbers && strcmp(digest, recorded) == 0

@@ -511,18 +511,15 @@ enum err act_save(const struct act *act)
     const enum file_mode how = act_file_mode(act);
     struct buf *to = act_buf(act);
     struct labels labels = {0};
-    enum err err = check_parameters(act);
-    if (!err && has_labels)
-        err = act_take_labels(act, &labels);
-    if (!err)
-        err = interpreter_output_path(act->interp, act_text(act, "FILE"), to, act->fault);
-    if (err || !to->length)
-        return err;
+    TRY(check_parameters(act));
+    if (has_labels)
+        TRY(act_take_labels(act, &labels));
+    TRY(interpreter_output_path(act->interp, act_text(act, "FILE"), to, act->fault));
+    if (!to->length)
+        return OK;
     const char *path = buf_text(to);
     if (has_labels)
-        err = count_coverage(&coverage, act->session, &labels, act->fault);
-    if (err)
-        return err;
+        TRY(count_coverage(&coverage, act->session, &labels, act->fault));
     /* An empty map would be mistaken for a result. */
     if (what == MAP_LABELS && !coverage.labelled && !coverage.kept && !act_is_yes(act, "empty"))
         return fault_set(

@@ -251,8 +251,7 @@ static enum err add_roi(const struct act *act, enum err err)
     const struct session *session = act->session;
     const struct roi_tally *tally = &session->roi_tally;
     struct reply *reply = act->reply;
-    if (err)
-        return err;
+    TRY(err);
     act_add_digest(act, "fence", tally->digest);
     buf_printf(&reply->words, " inside=%zu", tally->inside);
     buf_printf(&reply->text, "%zu of %zu voxels %s inside the region of interest\n", tally->inside,
@@ -311,10 +310,9 @@ enum err act_range(const struct act *act)
                          "expected LOW and HIGH, 2:LOW..HIGH, or none alone; nothing has changed");
     if (is_range && decimal_value(&range[1]) < decimal_value(&range[0]))
         return fault_set(act->fault, ERR_USAGE, "HIGH is below LOW; nothing has changed");
-    enum err err = session_set_range(session, channel, is_range ? range : NULL, act->fault);
-    err = add_roi(act, err);
-    if (err || !is_range)
-        return err;
+    TRY(add_roi(act, session_set_range(session, channel, is_range ? range : NULL, act->fault)));
+    if (!is_range)
+        return OK;
     const struct interval interval = session_within(session, channel, range);
     size_t unsure = 0;
     struct grid_walk walk = scene_walk(session->scene, "levels", NULL, 0);
@@ -569,9 +567,7 @@ enum err act_plane(const struct act *act)
                          "view is unchanged",
                          CUT_PLANES_MOST);
     } else {
-        const enum err err = make_plane(act, &cut->plane[cut->planes++]);
-        if (err)
-            return err;
+        TRY(make_plane(act, &cut->plane[cut->planes++]));
     }
     return act_go(act);
 }

@@ -356,18 +356,16 @@ enum err interpreter_settle_name(const struct interpreter *interp, struct call *
         (!journal && !file_is_from_home(name)))
         return OK;
     OWNED(buf_release) struct buf settled = {0};
-    enum err err = OK;
     if (journal)
-        err = make_relative(&settled, name, journal, fault);
+        TRY(make_relative(&settled, name, journal, fault));
     else
         file_from_home(&settled, name);
     buf_add_text(&call->settled, is_raw ? "raw:" : "");
     buf_add_text(&call->settled, buf_text(&settled));
-    if (!err && (settled.failed || call->settled.failed))
-        err = fault_memory(fault, "a path");
-    if (!err)
-        value->text = buf_text(&call->settled);
-    return err;
+    if (settled.failed || call->settled.failed)
+        return fault_memory(fault, "a path");
+    value->text = buf_text(&call->settled);
+    return OK;
 }
 
 /* ---- golden images ---- */
@@ -462,16 +460,12 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
                                 struct fault *fault)
 {
     OWNED(buf_release) struct buf backup = {0};
-    enum err err = OK;
     if (interpreter_is_wary(interp))
         limits_will_write();
     if (interp->writer && picture_writer_holds(interp->writer, path))
-        picture_writer_wait(interp->writer, NULL); /* one write at a time */
-    if (interp->journal && interp->mode == MODE_LIVE)
-        err = journal_catch_up(interp->journal,
-                               fault); /* records before the file is written are on the disk */
-    if (err)
-        return err;
+        picture_writer_wait(interp->writer, NULL);    /* one write at a time */
+    if (interp->journal && interp->mode == MODE_LIVE) /* records before it are on the disk */
+        TRY(journal_catch_up(interp->journal, fault));
     interpreter_note_existing(interp, path, mode);
     if (file_exists(path)) {
         if (mode == FILE_KEEP)
@@ -481,11 +475,9 @@ enum err interpreter_will_write(struct interpreter *interp, const char *path, en
                              "%s existed before; a replay replaces only its own files; "
                              "it was left alone",
                              path);
-        err = file_backup(&backup, path, fault);
+        TRY(file_backup(&backup, path, fault));
     }
     const size_t made = interpreter_is_wary(interp) ? strlen(path) + 1 : 0;
-    if (err)
-        return err;
     if (!buf_reserve(&interp->written, strlen(path) + backup.length + 2) ||
         (made && !buf_reserve(&interp->made, made))) {
         if (backup.length)

@@ -519,26 +519,25 @@ static enum err plant_shell(const struct act *act, struct voxels *voxels, const 
     const struct scene *scene = act->session->scene;
     const uint32_t *p = body->ball.centre;
     struct planting planting = act_begin_planting(act->session, act_value(act, "range"));
-    enum err err = session_catch_up(act->session, act->fault);
+    TRY(session_catch_up(act->session, act->fault));
     const struct cell *middle = &scene->cell[grid_cell(&scene->grid, p[0], p[1], p[2])];
     const uint8_t inside = middle->label;
     const bool is_reached = cell_is_reached(middle);
     const bool encloses = find_enclosed(&planting, act, body, voxels, label);
-    if (!err)
-        err = act_begin_exact(&planting, act, voxels, NULL, 0);
+    TRY(act_begin_exact(&planting, act, voxels, NULL, 0));
     planting.is_shell = true;
     planting.inside = (uint8_t)act_number_or(act, "around", inside);
     label_set_add(&planting.encloses, planting.inside);
-    if (!err && !voxels->count)
-        err = fault_set(act->fault, ERR_INPUT,
-                        "shell: no voxel of it is in the scene; nothing was planted");
-    if (!err && planting.inside == label && (act_has(act, "around") || (is_reached && !encloses)))
-        err = fault_set(act->fault, ERR_INPUT,
-                        "shell: label %u is also the label of the object inside; expected the "
-                        "label of the surroundings, or around=LABEL for another object; nothing "
-                        "was planted",
-                        numbering_of(&act->session->now.kept, planting.inside));
-    return err ? err : plant_all(act, &planting, voxels, label);
+    if (!voxels->count)
+        return fault_set(act->fault, ERR_INPUT,
+                         "shell: no voxel of it is in the scene; nothing was planted");
+    if (planting.inside == label && (act_has(act, "around") || (is_reached && !encloses)))
+        return fault_set(act->fault, ERR_INPUT,
+                         "shell: label %u is also the label of the object inside; expected the "
+                         "label of the surroundings, or around=LABEL for another object; nothing "
+                         "was planted",
+                         numbering_of(&act->session->now.kept, planting.inside));
+    return plant_all(act, &planting, voxels, label);
 }
 
 static enum err refuse_shell(const struct act *act, const char *why)

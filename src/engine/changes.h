@@ -33,7 +33,6 @@ struct changes {
 struct forest_stats {
     uint64_t served;  /* voxels whose final key was offered to the neighbours */
     uint64_t cleared; /* voxels that lost their tree on the way */
-    uint64_t raised;  /* voxels that changed their root at the same level */
     uint64_t touched; /* voxels whose key or label was recomputed; all, in a rebuild */
 };
 

@@ -217,7 +217,6 @@ static void lose_support(struct forest *forest, uint32_t at, uint64_t offer, uns
     if (key_level(offer) == key_level(cell->key)) {
         accept(forest, at, offer, cell[-forest->adjacency.offset[direction]].label, direction);
         cell->flags |= CELL_RAISED;
-        forest->stats.raised++;
     } else {
         clear_subtree(forest, at, SIZE_MAX);
         reoffer_cleared(forest);

@@ -474,13 +474,13 @@ static enum err add_parts(struct making *m, struct watch *watch)
     if (m->choice->joins)
         return add_part(m, &all, voxels);
     m->has_spots = labels > 1;
-    enum err err = m->has_spots ? add_nets(m, &all, true) : OK;
-    for (unsigned l = 1; !err && l < 256; l++) {
+    TRY(m->has_spots ? add_nets(m, &all, true) : OK);
+    for (unsigned l = 1; l < 256; l++) {
         m->of = (uint8_t)l;
         if (m->voxels[l])
-            err = add_part(m, &m->extent[l], m->voxels[l]);
+            TRY(add_part(m, &m->extent[l], m->voxels[l]));
     }
-    return err;
+    return OK;
 }
 
 /* Move points to their spots if there are several labels. */

@@ -491,9 +491,8 @@ static enum err write_file(void *coder, const char *draft, const struct picture 
     struct exr_stream stream = {.path = pieces->path};
     const exr_context_initializer_t setup = exr_stream_setup(&stream);
     exr_context_t context;
-    enum err err = check_names(stream.path, like, fault);
-    if (err)
-        return err;
+    enum err err = OK;
+    TRY(check_names(stream.path, like, fault));
     stream.fd = file_step_open(draft, O_RDWR | O_CREAT | O_EXCL);
     if (stream.fd < 0)
         return fault_errno(fault, "write", stream.path);

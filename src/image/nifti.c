@@ -589,9 +589,8 @@ static enum err take_fields(struct volume_header *out, struct nifti_header *head
 {
     const int64_t *dim = header->dim, intent = header->intent_code;
     const struct datatype *datatype = datatypes;
-    enum err err = read_size(out->size, &out->volumes, header, fault);
-    if (err)
-        return err;
+    enum err err = OK;
+    TRY(read_size(out->size, &out->volumes, header, fault));
     while (datatype->code && datatype->code != header->datatype)
         datatype++;
     snprintf(out->format, sizeof out->format, "%s%s",

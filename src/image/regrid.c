@@ -273,10 +273,8 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
                 enum regrid_how how, uint8_t *beyond, struct watch *watch, struct fault *fault)
 {
     struct regrid_order order;
-    enum err err =
-        how == REGRID_FILL ? OK : regrid_check(map->size, &map->geometry, size, scene, how, fault);
-    if (err)
-        return err;
+    if (how != REGRID_FILL)
+        TRY(regrid_check(map->size, &map->geometry, size, scene, how, fault));
     if (is_the_grid(map->size, &map->geometry, size, scene)) {
         if (have_places(&map->geometry, scene))
             note_shift(map, geometry_apart(&map->geometry, scene, size), scene);
@@ -285,6 +283,7 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
     }
     const bool is_ordered = how != REGRID_RESAMPLE && how != REGRID_FILL &&
                             regrid_find_order(&order, map->size, &map->geometry, size, scene);
+    OWNED(mem_release)
     uint16_t *out = mem_array((size_t)size[0] * size[1] * size[2], sizeof *out);
     if (!out)
         return fault_memory(fault, "a map");
@@ -298,14 +297,11 @@ enum err regrid(struct volume *map, const uint32_t size[3], const struct geometr
                     "the scene's order",
                     is, becomes);
         note_shift(map, order.apart_mm, scene);
-        err = watch_fault(watch, fault);
+        TRY(watch_fault(watch, fault));
     } else {
-        err = resample_map(map, out, beyond, size, scene, how, watch, fault);
-    }
-    if (err) {
-        free(out);
-        return err;
+        TRY(resample_map(map, out, beyond, size, scene, how, watch, fault));
     }
     replace_grid(map, out, size, scene);
+    out = NULL;
     return OK;
 }

@@ -124,18 +124,17 @@ static enum err take_lines(struct picture *notes, const char *text)
 /* Collect the notes of a picture: ours, then those of its format, each name once. */
 static enum err collect_notes(struct picture *notes, const struct picture *p)
 {
-    enum err err = OK;
     *notes = (struct picture){0};
     for (int ours = 1; ours >= 0; ours--)
-        for (size_t i = 0; i < p->attributes && !err; i++) {
+        for (size_t i = 0; i < p->attributes; i++) {
             const struct attribute *note = &p->attribute[i];
             const bool is_text = strncmp(note->value, "Software: iftty", 15) == 0;
             if (is_text && ours)
-                err = take_lines(notes, note->value);
+                TRY(take_lines(notes, note->value));
             else if (!is_text && !ours && !picture_find(notes, note->name))
-                err = picture_note(notes, note->name, note->value, NULL);
+                TRY(picture_note(notes, note->name, note->value, NULL));
         }
-    return err;
+    return OK;
 }
 
 static void add_notes(struct facts *f, const struct picture *p)

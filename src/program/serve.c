@@ -34,10 +34,9 @@ enum err exchange_begin(struct exchange *exchange, struct fault *fault)
 {
     OWNED(buf_release) struct buf made = {0};
     struct stat status;
-    enum err err = folder_held(&made, NULL, fault);
+    enum err err = OK;
     *exchange = (struct exchange){0};
-    if (err)
-        return err;
+    TRY(folder_held(&made, NULL, fault));
     OWNED(mem_release) char *real = realpath(buf_text(&made), NULL);
     buf_add_text(&exchange->path, real ? real : "");
     if (!real || lstat(real, &status) != 0)

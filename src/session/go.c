@@ -216,13 +216,10 @@ static enum err count_border(struct session *session, struct fault *fault)
 static enum err recompute_stale(struct session *session, const struct edit *seed, size_t seeds,
                                 struct fault *fault)
 {
-    enum err err = OK;
     if (session->inside->waits)
         return OK;
     if (session->scene && session->scene->plain)
-        err = make_cells(session, fault);
-    if (err)
-        return err;
+        TRY(make_cells(session, fault));
     if (session->inside->stale & (MADE_WEIGHTS | MADE_ROI) &&
         (seeds || forest_seeds(session->forest)))
         session->inside->stale |= MADE_FOREST;
@@ -235,11 +232,10 @@ static enum err recompute_stale(struct session *session, const struct edit *seed
         roi_apply(&open, session->scene);
     }
     if (seeds)
-        err = edit_seeds(session, seed, seeds, fault);
-    if (!err)
-        err = recompute_part(session, MADE_ROI, apply_region, fault);
-    if (err || session->skims)
-        return err;
+        TRY(edit_seeds(session, seed, seeds, fault));
+    TRY(recompute_part(session, MADE_ROI, apply_region, fault));
+    if (session->skims)
+        return OK;
     TRY(recompute_part(session, MADE_WEIGHTS, compute_weights, fault));
     TRY(recompute_part(session, MADE_FOREST, recompute_forest, fault));
     TRY(recompute_part(session, MADE_BORDER, count_border, fault));

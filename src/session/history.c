@@ -423,7 +423,6 @@ static enum err note_point(struct history *history, const struct session *sessio
 enum err history_note(struct history *history, const struct session *session, const char *command,
                       struct fault *fault)
 {
-    enum err err = OK;
     history->is_noted = true;
     if (!session->has_scene)
         return OK;
@@ -436,11 +435,10 @@ enum err history_note(struct history *history, const struct session *session, co
         root->settings = kept_settings_new(NULL, &session->now.kept);
         root->lists = session->now.lists;
         edit_lists_hold(&root->lists);
-        err = lacks || !root->settings ? fault_memory(fault, "the history") : OK;
+        if (lacks || !root->settings)
+            return fault_memory(fault, "the history");
     } else if (history->goes_to == POINT_NONE)
-        err = note_point(history, session, fault);
-    if (err)
-        return err;
+        TRY(note_point(history, session, fault));
     struct point *point = &history->noted;
     if (point->settings) {
         const size_t bytes = strlen(command) + 1;

@@ -420,30 +420,25 @@ static uint32_t find_depth(const struct map_place *place)
 enum err map_read(struct volume *map, const char *path, const struct map_place *place,
                   struct watch *watch, struct fault *fault)
 {
-    struct volume_reader reader;
+    OWNED(volume_close) struct volume_reader reader;
     struct volume_choice choice = place->choice;
     choice.names = place->names;
     choice.step_nm = place->is_copy ? 0 : find_depth(place);
-    enum err err = volume_begin(&reader, path, &choice, watch, fault);
-    if (!err)
-        err = choose_voxels(&reader, place, fault);
-    if (!err)
-        err = prefix_file(path, check_grid(place, &reader.header, fault), fault);
+    TRY(volume_begin(&reader, path, &choice, watch, fault));
+    TRY(choose_voxels(&reader, place, fault));
+    TRY(prefix_file(path, check_grid(place, &reader.header, fault), fault));
     reader.header.notes[0] = '\0'; /* notes are for scenes */
-    if (!err)
-        err = volume_take(map, &reader, fault);
-    if (!err && place->names)
-        err = volume_read_names(place->names, &reader, map->notes, fault);
-    volume_close(&reader);
-    if (!err && *reader.header.contents)
+    TRY(volume_take(map, &reader, fault));
+    if (place->names)
+        TRY(volume_read_names(place->names, &reader, map->notes, fault));
+    if (*reader.header.contents)
         volume_note(map->notes, "volume %" PRIu32 " of %" PRIu32 ": %s", place->choice.volume,
                     reader.header.volumes, reader.header.contents);
-    if (err)
-        return err;
-    err = place->is_copy
-              ? map_check_axes(map, place->geometry, fault)
-              : regrid(map, place->grid->size, place->geometry, how_of(place, &reader.header),
-                       reader.header.is_segments ? NULL : place->beyond, watch, fault);
+    const enum err err =
+        place->is_copy
+            ? map_check_axes(map, place->geometry, fault)
+            : regrid(map, place->grid->size, place->geometry, how_of(place, &reader.header),
+                     reader.header.is_segments ? NULL : place->beyond, watch, fault);
     return prefix_file(path, err, fault);
 }
 

@@ -467,24 +467,21 @@ enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct 
 {
     *seeds = (struct seeds){0};
     OWNED(mem_release) struct stock *stock = mem_new(VALUES * sizeof *stock);
-    enum err err = stock ? map_to_regions(map, choice->first, choice->last, watch, fault)
-                         : fault_memory(fault, "the regions of a label map");
+    TRY(stock ? map_to_regions(map, choice->first, choice->last, watch, fault)
+              : fault_memory(fault, "the regions of a label map"));
     struct task task = task_begin(watch, "counting regions", 2 * (uint64_t)grid->voxels);
-    for (size_t i = 0; !err && i < grid->voxels && task_advance(&task, 1); i++) {
+    for (size_t i = 0; i < grid->voxels && task_advance(&task, 1); i++) {
         uint16_t *region = &map->intensity[i];
         if (choice->as && *region != REGION_NONE && choice->as[*region] == REGION_NONE)
             *region = REGION_NONE;
         stock[*region].before++;
     }
-    if (!err)
-        err = erode_map(map, choice->erode, watch, fault);
-    for (size_t i = 0; !err && i < grid->voxels && task_advance(&task, 1); i++)
+    TRY(erode_map(map, choice->erode, watch, fault));
+    for (size_t i = 0; i < grid->voxels && task_advance(&task, 1); i++)
         stock[map->intensity[i]].left++;
-    err = err ? err : watch_fault(watch, fault);
-    if (!err)
-        err = check_stock(stock, choice, map, tally, fault);
-    if (!err)
-        err = draw_all(seeds, stock, map, grid, choice, watch, fault);
+    TRY(watch_fault(watch, fault));
+    TRY(check_stock(stock, choice, map, tally, fault));
+    const enum err err = draw_all(seeds, stock, map, grid, choice, watch, fault);
     if (err)
         seeds_release(seeds);
     return err;

@@ -91,25 +91,22 @@ static enum err remove_marker(struct session *session, uint32_t number, struct f
 {
     const struct markers *markers = &session->markers;
     struct marker *marker = markers->marker + number - 1;
-    enum err err =
-        edits_go_on(&session->now.lists.markers, (struct edit){number, EDIT_ERASE, 0}, fault);
-    if (err)
-        return err;
+    TRY(edits_go_on(&session->now.lists.markers, (struct edit){number, EDIT_ERASE, 0}, fault));
     marker->is_valid = false;
     const size_t covers = marker->voxels + marker->frees;
     struct task task = task_begin(session->watch, "markers", covers);
-    for (size_t i = 0; !err && i < covers && task_advance(&task, 1); i++) {
+    for (size_t i = 0; i < covers && task_advance(&task, 1); i++) {
         const uint32_t cell = markers->cover[marker->first + i].cell;
         if (markers_can_plant(markers, cell) && markers_at(markers, cell) < number)
-            err = add_pending(session, markers_edit(markers, cell), fault);
+            TRY(add_pending(session, markers_edit(markers, cell), fault));
     }
     const bool ends = marker->yields && markers->ends;
-    for (size_t i = marker->first + covers; !err && ends && i < markers->covers; i++) {
+    for (size_t i = marker->first + covers; ends && i < markers->covers; i++) {
         const struct cover *cover = markers->cover + i;
         if (cover->is_beside && cover->from == number)
-            err = add_pending(session, markers_edit(markers, cover->cell), fault);
+            TRY(add_pending(session, markers_edit(markers, cover->cell), fault));
     }
-    return err ? err : watch_fault(session->watch, fault);
+    return watch_fault(session->watch, fault);
 }
 
 /* A part of a stroke is removed with the first part; an eraser cannot be removed. */

@@ -197,18 +197,14 @@ enum err distance_picture_draw(struct picture *picture, struct session *session,
                          "there is no picture of the surface: expected an object in A and in B, "
                          "which the edge of the scene does not cut off all around");
     OWNED(mem_release) uint8_t *class = mem_new(session->scene->grid.cells);
-    enum err err = class ? OK : fault_memory(fault, "a picture");
-    if (!err && fits)
-        err = fit_view(&state, session, class, compared, fault);
-    if (!err)
-        err = session_go(session, &state, NULL, 0, fault);
-    if (!err)
-        err = render_classes(class, &most_mm, session, compared, distance->most_mm, fault);
-    if (!err)
-        err = take_picture(picture, session, report, most_mm, fault);
-    if (err)
-        picture_release(picture);
-    return err ? err : session_go(session, &before, NULL, 0, fault);
+    if (!class)
+        return fault_memory(fault, "a picture");
+    if (fits)
+        TRY(fit_view(&state, session, class, compared, fault));
+    TRY(session_go(session, &state, NULL, 0, fault));
+    TRY(render_classes(class, &most_mm, session, compared, distance->most_mm, fault));
+    TRY(take_picture(picture, session, report, most_mm, fault));
+    return session_go(session, &before, NULL, 0, fault);
 }
 
 const uint8_t difference_rgb[DIFFERENCES][3] = {[AGREES] = {225, 225, 225},
@@ -350,19 +346,13 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
         .width = view->width, .height = view->height, .stride = view->width, .rgba = picture->rgba};
     OWNED(mem_release)
     uint8_t *difference = differences_of(report->comparison->of, &session->scene->grid);
-    enum err err = difference ? draw_slices(&canvas, session, difference, place, fault)
-                              : fault_memory(fault, "a picture");
-    if (!err) {
-        OWNED(buf_release) struct buf words = {0};
-        write_report(&canvas, report);
-        buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels, through %u,%u,%u",
-                   report->comparison->overlap.differing, report->comparison->overlap.voxels,
-                   place[0], place[1], place[2]);
-        err = export_notes(picture, session, NULL, fault);
-        if (!err)
-            err = export_note(picture, "iftty:differ", &words, fault);
-    }
-    if (err)
-        picture_release(picture);
-    return err;
+    OWNED(buf_release) struct buf words = {0};
+    TRY(difference ? draw_slices(&canvas, session, difference, place, fault)
+                   : fault_memory(fault, "a picture"));
+    write_report(&canvas, report);
+    buf_printf(&words, "%" PRIu64 " of %" PRIu64 " voxels, through %u,%u,%u",
+               report->comparison->overlap.differing, report->comparison->overlap.voxels, place[0],
+               place[1], place[2]);
+    TRY(export_notes(picture, session, NULL, fault));
+    return export_note(picture, "iftty:differ", &words, fault);
 }

@@ -316,9 +316,8 @@ static enum err draw_border(struct pictures *p, const struct border *border, enu
     struct team *team = p->session->team;
     outdate_rendition(p);
     p->drawings++;
-    enum err err = mesh_update(&p->mesh, border, shade_kind(look), team, NULL, fault);
-    if (err)
-        return err;
+    enum err err = OK;
+    TRY(mesh_update(&p->mesh, border, shade_kind(look), team, NULL, fault));
     const uint64_t begin_ns = clock_ns();
     if (!p->take && p->rendition.depth) {
         TRY(layers_attach(&p->layers, &p->rendition, border, fault));

@@ -238,16 +238,13 @@ static enum err export_rendition_notes(struct picture *picture, const struct ses
     const int32_t *window = session->pictures->context.mip.of.window;
     snprintf(scale, sizeof scale, "%.9g", seen_mm_per_pixel(session));
     snprintf(context, sizeof context, "mip, intensities %d to %d", window[0], window[1]);
-    enum err err = export_notes(picture, session, shown, fault);
-    if (!err && session->now.outlook.context)
-        err = picture_note(picture, "iftty:context", context, fault);
-    if (!err && !session->geometry.spacing_unknown) {
-        picture->pixel_mm = seen_mm_per_pixel(session);
-        err = picture_note(picture, "iftty:mm-per-pixel", scale, fault);
-    }
-    if (err)
-        picture_release(picture);
-    return err;
+    TRY(export_notes(picture, session, shown, fault));
+    if (session->now.outlook.context)
+        TRY(picture_note(picture, "iftty:context", context, fault));
+    if (session->geometry.spacing_unknown)
+        return OK;
+    picture->pixel_mm = seen_mm_per_pixel(session);
+    return picture_note(picture, "iftty:mm-per-pixel", scale, fault);
 }
 
 /* ---- planes ---- */
@@ -460,8 +457,5 @@ enum err export_rows(struct picture *picture, struct strips *file, struct sessio
     pthread_mutex_destroy(&e.lock);
     decorating_end(e.decorating);
     *digest = e.digest;
-    if (!err)
-        return export_rendition_notes(picture, session, e.labels, fault);
-    picture_release(picture);
-    return err;
+    return err ? err : export_rendition_notes(picture, session, e.labels, fault);
 }

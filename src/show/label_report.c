@@ -244,10 +244,7 @@ enum slice_plane label_report_write_doubt(struct buf *out, const struct session 
     if (!scene->sides_unknown)
         buf_printf(out, "%s ", slice_name(scene, plane));
     buf_printf(out, "%c=%u: ", "xyz"[slice->axis], slice -> at);
-    if (session->geometry.spacing_unknown)
-        buf_printf(out, "%" PRIu64 " voxel%s", voxels, plural(voxels));
-    else
-        tally_write_volume(out, &session->geometry, voxels);
+    label_report_write_extent(out, session, voxels);
     buf_add_text(out, " in doubt");
     return plane;
 }

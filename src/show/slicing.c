@@ -325,10 +325,6 @@ enum err slicing_export(struct picture *picture, const struct session *session,
         picture->label[i] = number[label];
         picture->voxel[i] = shows ? grid_voxel(&session->scene->grid, cell) : CELL_NONE;
     }
-    enum err err = export_notes(picture, session, shown, fault);
-    if (!err)
-        err = note_kind(picture, session, kind, fault);
-    if (err)
-        picture_release(picture);
-    return err;
+    TRY(export_notes(picture, session, shown, fault));
+    return note_kind(picture, session, kind, fault);
 }

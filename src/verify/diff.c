@@ -133,13 +133,9 @@ static enum err draw_difference(struct sheet *sheet, struct fault *fault)
     memcpy(kept->palette.rgb[SAME_OBJECT], ghost_rgb, 3);
     sheet->state.outlook.background = BACKGROUND_PLAIN; /* black, so that colours show
                                                            differences */
-    enum err err = render_as(sheet, AS_OBJECT, fault);
-    if (!err) {
-        memcpy(depth, session_frame(sheet->session)->depth, pixels * sizeof *depth);
-        err = put_frame(sheet, 2, fault);
-    }
-    if (err)
-        return err;
+    TRY(render_as(sheet, AS_OBJECT, fault));
+    memcpy(depth, session_frame(sheet->session)->depth, pixels * sizeof *depth);
+    TRY(put_frame(sheet, 2, fault));
     for (int kind = A_ALONE; kind < DIFFERENCES; kind++)
         memcpy(kept->palette.rgb[kind], difference_rgb[kind], 3);
     TRY(render_as(sheet, AS_KIND, fault));

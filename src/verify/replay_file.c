@@ -269,16 +269,15 @@ enum err replay_aloud(struct interpreter *interp, const char *path, const struct
 {
     OWNED(replay_report_release) struct replay_report report = {0};
     OWNED(buf_release) struct buf text = {0};
-    enum err err = replay_file(interp, path, 0, 0, printer, NULL, &report, fault);
+    const enum err err = replay_file(interp, path, 0, 0, printer, NULL, &report, fault);
     /* otherwise the error says everything */
     if (report.outcome != REPLAY_UNREADABLE || report.number)
         replay_describe(&text, &report, fault);
     if (text.length)
         printer->warn(printer->context, buf_text(&text));
-    if (!err)
-        buf_printf(&text, "# %zu command%s replayed, %zu result%s the same\n", report.executed,
-                   plural(report.executed), report.compared, plural(report.compared));
-    if (!err)
-        printer->print(printer->context, buf_text(&text));
-    return err;
+    TRY(err);
+    buf_printf(&text, "# %zu command%s replayed, %zu result%s the same\n", report.executed,
+               plural(report.executed), report.compared, plural(report.compared));
+    printer->print(printer->context, buf_text(&text));
+    return OK;
 }

@@ -352,15 +352,12 @@ static enum err publish(struct resealing *r, const char *path, const struct buf 
 {
     struct journal_condition condition;
     const char *at = NULL, *draft, *place;
-    enum err err = journal_check(&condition, buf_text(&r->out), r->out.length, fault);
-    if (!err && r->out.length > JOURNAL_BYTES_MAX)
-        err = fault_set(fault, ERR_LIMIT, "%s would hold more than %zu bytes; %s", path,
-                        JOURNAL_BYTES_MAX, unchanged);
-    if (!err)
-        err = file_write_beside(name, path, "before", buf_text(former), former->length,
-                                fault); /* R3 */
-    if (err)
-        return err;
+    enum err err = OK;
+    TRY(journal_check(&condition, buf_text(&r->out), r->out.length, fault));
+    if (r->out.length > JOURNAL_BYTES_MAX)
+        return fault_set(fault, ERR_LIMIT, "%s would hold more than %zu bytes; %s", path,
+                         JOURNAL_BYTES_MAX, unchanged);
+    TRY(file_write_beside(name, path, "before", buf_text(former), former->length, fault)); /* R3 */
     r->interp->mode = MODE_LIVE; /* the replay is over: the user asked for the following writes */
     struct golden_files files = {.folder = -1};
     if (r->why && r->drafts.length)

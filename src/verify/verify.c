@@ -162,9 +162,7 @@ static enum err judge_expected(const struct verify_options *options,
     while (walk_next(&walk, &record) == WALK_RECORD)
         continue;
     const char *chain = walk.chain.hex;
-    enum err err = walk_judge(&walk, fault);
-    if (err)
-        return err;
+    TRY(walk_judge(&walk, fault));
     if (!options->last && !result->err &&
         strncmp(chain, buf_text(&result->chain), result->chain.length) != 0)
         return fault_set(fault, ERR_CHECK, "it was changed while it was verified");
