@@ -101,8 +101,8 @@ void record_comments(struct buf *comments, struct buf *signature, const char *by
 enum err record_encode(struct buf *out, struct record_chain *chain, const char *header,
                        const char *comments, const struct record *record, struct fault *fault);
 
-/* Compute the chain of `length` bytes (a record up to, not including, " chain=") after `before`.
- * */
+/* Compute the chain of `length` bytes, a record up to but not including " chain=", after
+ * `before`. */
 void record_chain_compute(struct record_chain *out, const struct record_chain *before,
                           const char *header, size_t header_length, const char *bytes,
                           size_t length);
@@ -124,8 +124,8 @@ bool record_key_is(const struct record_word *word, const char *key, size_t key_l
 /* True if its value is a digest: 16 to 64 lower-case hexadecimal digits. No count is as long. */
 bool record_word_is_digest(const struct record_word *word);
 
-/* True if the command computes a digest and the record has none: the record then proves nothing.
- * */
+/* True if the command computes a digest and the record has none, so that the record proves
+ * nothing. */
 bool record_lacks_digest(const char *recorded, const char *given);
 
 /* Find the word with this key in `words`, ended by NUL. */

@@ -9,8 +9,8 @@
  * Rotations by unit quaternions: B. K. P. Horn, "Closed-form solution of absolute orientation using
  * unit quaternions", J. Opt. Soc. Am. A 4 (1987) 629-642. The method never returns a mirror image.
  */
-#ifndef REGISTER_AFFINE_H
-#define REGISTER_AFFINE_H
+#ifndef APPLY_AFFINE_H
+#define APPLY_AFFINE_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -7,8 +7,8 @@
  * runs in one thread, on a regular lattice of samples. Other machines may differ, so the numbers
  * are recorded in the journal, and no replay recomputes them.
  */
-#ifndef REGISTER_REGISTRATION_H
-#define REGISTER_REGISTRATION_H
+#ifndef APPLY_REGISTRATION_H
+#define APPLY_REGISTRATION_H
 
 #include <stdint.h>
 

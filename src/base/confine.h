@@ -13,8 +13,8 @@
  * or process, has no network, and cannot trace, read or signal another process; writable memory
  * never becomes executable.
  */
-#ifndef CONFINE_CONFINE_H
-#define CONFINE_CONFINE_H
+#ifndef BASE_CONFINE_H
+#define BASE_CONFINE_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -61,8 +61,8 @@ bool file_is_missing(const char *path); /* no such name, as far as this process 
 bool file_begins_with(const char *path, const char *text); /* a regular file that can be read */
 bool file_is_folder(const char *path);
 
-/* Return the part of `path` after its last slash, and the folder before it ("." without a slash).
- * */
+/* Return the part of `path` after its last slash, borrowed; out = the folder before it, "." without
+ * a slash. */
 const char *file_name(const char *path);
 void file_folder(struct buf *out, const char *path);
 

@@ -89,8 +89,8 @@ struct json_member {
     int64_t number;
 };
 
-/* Read the next member. ERR_USAGE with the byte (from 1) and the expected token; ERR_MEMORY.
- * */
+/* Read the next member. ERR_USAGE, with the byte, from 1, and the expected token; ERR_MEMORY. The
+ * caller releases the member. */
 enum err json_read(struct json_reader *reader, struct json_member *member, struct fault *fault);
 void json_member_release(struct json_member *member);
 

@@ -68,8 +68,7 @@ struct decimal {
 /* units / 10^places */
 struct decimal decimal_of(int64_t units, unsigned places);
 
-/* Return the decimal with this number of significant digits, 1 to 17, nearest to a finite number.
- * */
+/* Return the decimal with this number of significant digits, 1..17, nearest to a finite number. */
 struct decimal decimal_near(double value, unsigned digits);
 
 /* Read at *cursor: an optional '-', digits, an optional point with digits, and an optional e with
@@ -84,7 +83,7 @@ double decimal_value(const struct decimal *decimal);
 void decimal_write(struct buf *out, const struct decimal *decimal);
 
 /* An interval of intensities, both ends included: "LOW..HIGH" is of channel 0, the first, and
- * "2:LOW..HIGH" of channel 1. `interval_scan` returns false on anything else, with the cursor
+ * "2:LOW..HIGH" of channel 1. On other input `interval_scan` returns false, with the cursor
  * unchanged. */
 bool interval_scan(const char **cursor, unsigned *channel, struct decimal range[2]);
 void interval_write(struct buf *out, unsigned channel, const struct decimal range[2]);

@@ -189,7 +189,8 @@ struct drawn_file {
 enum err act_draw_file(const struct act *act, const struct drawn_file *file,
                        const struct labels *labels, uint64_t *digest);
 
-/* Make the rendition of *labels, finished if requested. */
+/* Make the rendition of *labels, finished if requested. ERR_LIMIT (finish_check), ERR_MEMORY,
+ * ERR_CANCELLED. */
 enum err act_render_labels(const struct act *act, enum render_mode mode, struct labels *labels);
 
 /* Add the digest of the rendition to the words of the record. */
@@ -240,8 +241,8 @@ struct voxels;
 enum err act_begin_exact(struct planting *planting, const struct act *act, struct voxels *voxels,
                          size_t *end, size_t ends);
 
-/* Plant one marker on those of the cells that are allowed; they are moved to the front of
- * `cell`. */
+/* Plant one marker in the cells that are allowed, which are moved to the front of `cell`; none if
+ * no cell is allowed. ERR_MEMORY, ERR_CANCELLED. */
 enum err act_plant(const struct act *act, struct planting *planting, uint32_t *cell, size_t count,
                    int16_t label);
 
@@ -253,7 +254,7 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
 void act_write_unsure(const struct act *act, unsigned channel, size_t voxels);
 
 /* Find the voxels of a ball of `radius` at PLACE, or of a stroke if `to` is given; `to` may be
- * NULL. */
+ * NULL. ERR_MEMORY, ERR_CANCELLED. The caller releases the voxels, also on error. */
 enum err act_find_voxels(const struct act *act, const struct value *to, struct voxels *voxels);
 
 /* Find the word of a record with a result that was computed from the forest, so that resuming a
@@ -273,7 +274,7 @@ void act_add_markers(const struct act *act);
 
 /* Counts of labels (act_figures.c). */
 
-/* Add a line for each label that has voxels: its seeds, voxels and volume. */
+/* Add a line for each label that has voxels: its seeds, voxels and volume. ERR_CANCELLED. */
 enum err act_write_counts(const struct act *act);
 
 /* Parts of the answers about a session, shared by `info` and others (answers.c). */

@@ -5,8 +5,8 @@
  *
  * A command is a line of words separated by blanks. A word with blanks in it is written between
  * double quotes, in which \" and \\ mean " and \, or between single quotes, in which no character
- * is special (MEANING_QUOTES). Parameters come in the order of the table; those marked `keyed` are
- * written name=value, where the value may be in double quotes, anywhere after the command's name.
+ * is special. Parameters come in the order of the table; a parameter marked `keyed` is written
+ * name=value, where the value may be in quotes, anywhere after the command's name.
  * Parsing a line and writing it in canonical form yields the same command, in the same canonical
  * form.
  */

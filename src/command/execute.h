@@ -13,12 +13,13 @@
 
 /* Execute one line. `reply` is cleared first. An empty line or a comment does nothing and leaves
  * reply->canonical empty. On error nothing has changed.
- * 
+ *
  * Commands that show, write or answer from labels (COMMAND_ANSWERS) first apply the pending edits.
  * A question has no record; if it applied edits, a run is recorded: RUN_FOR and its name. */
 #define RUN_FOR "run for="
 enum err interpreter_execute(struct interpreter *interp, const char *line, struct reply *reply,
                              struct fault *fault);
+
 /* ---- sketches ---- */
 
 /* Execute a command that can be sketched (else ERR_USAGE) without recording it, to show the line of
@@ -35,14 +36,14 @@ enum err interpreter_drop_sketch(struct interpreter *interp, struct fault *fault
 enum err interpreter_write_losses(struct interpreter *interp, struct watch *watch, struct buf *out,
                                   struct fault *fault);
 
-/* ---- looked at ---- */
+/* ---- questions and views that are not recorded ---- */
 
 /* Execute a command that only changes the view or answers a question. It is in no journal and no
  * history, and the segmentation does not change. ERR_USAGE for any other command. */
 enum err interpreter_look(struct interpreter *interp, const char *line, struct reply *reply,
                           struct fault *fault);
 
-/* Resuming journals. */
+/* ---- resuming journals ---- */
 
 /* Resume the journal at `path` and continue recording there. Resuming skims: commands only change
  * seeds and settings; the forest is computed once and compared with the last record about it. If

@@ -77,7 +77,7 @@ struct edit {
 };
 
 /* Create a forest without seeds for a scene with weights, which must outlive the forest.
- * `adjacency` is 6 or 26. */
+ * `adjacency` is 6 or 26. ERR_MEMORY. The caller frees the forest. */
 enum err forest_new(struct forest **forest, struct scene *scene, unsigned adjacency,
                     struct fault *fault);
 void forest_free(struct forest *forest);
@@ -95,7 +95,8 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
 
 /* Recompute the whole forest from its seeds: after a change of weights, adjacency or region of
  * interest, or to compare with an update. On an error the former forest is restored; if this also
- * fails, the forest has its seeds and no keys. The message states which of the two happened. */
+ * fails, the forest has its seeds and no keys. The message states which of the two happened. Errors
+ * as of forest_edit. */
 enum err forest_rebuild(struct forest *forest, struct fault *fault);
 
 /* The scene's watch may show a run before it ends (watch.h). Forest and scene can then be read, by
@@ -129,8 +130,10 @@ void forest_set_arcs(struct forest *forest, const struct arc_rule *arcs);
  * On ERR_MEMORY the former team remains. */
 enum err forest_set_team(struct forest *forest, struct team *team, struct fault *fault);
 
+/* Changes by the last edit or rebuild, valid until the next one; and its work. */
 struct changes forest_changes(const struct forest *forest);
 struct forest_stats forest_stats(const struct forest *forest);
+
 /* Predecessor of a voxel that a seed reaches: the first neighbour, in the order of the adjacency's
  * offsets, whose offer equals the voxel's key. Unlike cell.direction, it does not depend on the
  * order of computation. CELL_NONE for a seed. */

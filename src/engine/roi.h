@@ -3,10 +3,9 @@
  * The region of interest: the part of the scene in which the forest grows.
  *
  * A voxel is inside if the mask contains it and its intensity in one channel is within the range,
- * whichever channel is shown. The forest
- * treats a voxel outside like a cell of the rim (S2 of engine/scene.h): it belongs to no tree, no
- * tree passes it, and it is background. Weights do not depend on the region: they are a function of
- * all intensities.
+ * whichever channel is shown. The forest treats a voxel outside like a cell of the rim (S2 of
+ * engine/scene.h): it belongs to no tree, no tree passes it, and it is background. Weights do not
+ * depend on the region: they are a function of all intensities.
  *
  * Invariant: between calls of the session, a voxel has CELL_OUTSIDE exactly if it is outside the
  * region of interest that was applied last; no seed is outside.

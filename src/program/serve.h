@@ -11,8 +11,8 @@
  *      is answered as cancelled in its turn; any other cancel has no effect;
  *   I4 blank lines are ignored, and a last line without its line feed is a line.
  */
-#ifndef SERVE_INBOX_H
-#define SERVE_INBOX_H
+#ifndef PROGRAM_SERVE_H
+#define PROGRAM_SERVE_H
 
 #include <sys/types.h>
 

@@ -85,7 +85,7 @@ struct history_place {
 
 void history_init(struct history *history);
 void history_release(struct history *history);
-size_t history_memory(const struct history *history);
+size_t history_memory(const struct history *history); /* bytes */
 
 /* ---- settings of each point, stored compactly ---- */
 

@@ -435,7 +435,8 @@ unsigned session_shown_slot(const struct session *session);
 /* An odd digest of its intensities, 1 for the first channel. */
 uint64_t session_shown_digest(const struct session *session);
 
-/* Set slope and intercept of *geometry to those of a channel, and return its levels, or NULL. */
+/* Replace slope and intercept in *geometry, a copy of the session's, by those of a channel, and
+ * return its levels, which are borrowed; NULL if all its intensities are exact. */
 const struct levels *session_scale(struct geometry *geometry, const struct session *session,
                                    unsigned channel);
 

@@ -110,10 +110,9 @@ size_t edit_lists_memory(const struct edit_lists *lists);
 enum { LABEL_NAME_BYTES = 32, LABEL_CODE_BYTES = 104, FILE_WORDS_BYTES = 128 };
 enum { LANDMARK_NAME_BYTES = 32, LANDMARKS = 64 };
 
-/* A place of the patient that can be found in other scenes too; its name is padded with zeros.
- * */
+/* A place of the patient that can be found in other scenes too. */
 struct landmark {
-    char name[LANDMARK_NAME_BYTES]; /* "" for none */
+    char name[LANDMARK_NAME_BYTES]; /* padded with zeros; "" for none */
     uint32_t place[3];              /* a voxel */
 };
 

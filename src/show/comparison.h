@@ -16,8 +16,8 @@
  * together, overlaps are sums over the labels, where a voxel agrees if it has the same label in
  * both; distances are those of all objects as one set.
  */
-#ifndef REPORT_COMPARISON_H
-#define REPORT_COMPARISON_H
+#ifndef SHOW_COMPARISON_H
+#define SHOW_COMPARISON_H
 
 #include "base/buf.h"
 #include "base/json.h"

@@ -12,8 +12,8 @@
  * label in each. A difference of one voxel is all line, so it is visible. The colours can be
  * distinguished without red and green vision.
  */
-#ifndef REPORT_COMPARISON_PICTURE_H
-#define REPORT_COMPARISON_PICTURE_H
+#ifndef SHOW_COMPARISON_PICTURE_H
+#define SHOW_COMPARISON_PICTURE_H
 
 #include "image/picture.h"
 #include "session/session.h"
@@ -26,7 +26,7 @@ extern const char *const difference_words[DIFFERENCES];
 enum difference difference_of(uint8_t label_a, uint8_t label_b);
 
 /* Has the size of the session's view, goes through `place` and has notes; the caller releases the
- * picture. ERR_LIMIT for a view too small for a mosaic, ERR_MEMORY. */
+ * picture, also on error. ERR_LIMIT for a view too small for a mosaic, ERR_MEMORY. */
 enum err comparison_picture_draw(struct picture *picture, struct session *session,
                                  const struct comparison_report *report, const uint32_t place[3],
                                  struct fault *fault);
@@ -46,8 +46,8 @@ enum err comparison_picture_draw(struct picture *picture, struct session *sessio
 
 /* Uses the session's view, size, cuts and look; with `fits` a zoom at which all of A fits.
  * Visibility and colours of labels are ignored. The session's state is restored, its rendition is
- * not. The caller releases the picture. ERR_INPUT if A or B has no contour, ERR_MEMORY,
- * ERR_CANCELLED; after an error the caller rolls the session back. */
+ * not. The caller releases the picture, also on error. ERR_INPUT if A or B has no contour,
+ * ERR_MEMORY, ERR_CANCELLED; after an error the caller rolls the session back. */
 enum err distance_picture_draw(struct picture *picture, struct session *session,
                                const struct comparison_report *report, bool fits,
                                struct fault *fault);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Export maps of a session in the scene's geometry, and its seeds as a list. */
-#ifndef REPORT_EXPORT_MAP_H
-#define REPORT_EXPORT_MAP_H
+#ifndef SHOW_EXPORT_MAP_H
+#define SHOW_EXPORT_MAP_H
 
 #include "base/file.h"
 #include "image/volume.h"

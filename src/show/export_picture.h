@@ -32,7 +32,7 @@ void export_opacity(struct buf *out, const struct kept *kept);
 
 /* Planes of the rendition, which must be drawn, and notes: PICTURE_BUT_NORMAL, or 0 for a file with
  * colours alone, which are over its background. Depth is in millimetres along the view direction, 0
- * in the middle of the scene. The caller releases the picture. */
+ * in the middle of the scene. The caller releases the picture, also on error. */
 enum err export_picture(struct picture *picture, const struct session *session, unsigned planes,
                         struct fault *fault);
 
@@ -70,8 +70,8 @@ bool export_is_large(const struct session *session);
 /* Draw labels as session_draw_labels does in that mode, from scratch, and compute the digest of the
  * picture. Requires session_decorates_rows. The rows go into `file`, whose picture is that of
  * export_form; without a file, over their background into picture->rgba, if that is not NULL.
- * `picture` gets its notes, and is released after an error. No rendition is stored afterwards.
- * ERR_MEMORY, ERR_CANCELLED. */
+ * `picture` gets its notes; the caller releases it, also on error. No rendition is stored
+ * afterwards. ERR_MEMORY, ERR_CANCELLED. */
 enum err export_rows(struct picture *picture, struct strips *file, struct session *session,
                      const struct labels *labels, enum render_mode mode, uint64_t *digest,
                      struct fault *fault);

@@ -2,8 +2,8 @@
 /*
  * Histogram of intensities between the black and the white of a window.
  */
-#ifndef REPORT_HISTOGRAM_H
-#define REPORT_HISTOGRAM_H
+#ifndef SHOW_HISTOGRAM_H
+#define SHOW_HISTOGRAM_H
 
 #include <stdbool.h>
 #include <stdint.h>

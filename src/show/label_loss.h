@@ -7,8 +7,8 @@
  * finish, so every such label is named. Changed voxels that are more than LABEL_LOSS_FAR steps from
  * every voxel with their former label are counted.
  */
-#ifndef REPORT_LABEL_LOSS_H
-#define REPORT_LABEL_LOSS_H
+#ifndef SHOW_LABEL_LOSS_H
+#define SHOW_LABEL_LOSS_H
 
 #include "base/buf.h"
 #include "engine/labels.h"

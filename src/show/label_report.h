@@ -6,8 +6,8 @@
  * deviation of one voxel, or unknown, such as millimetres without a spacing, is left out of text,
  * null in JSON and an empty field in CSV.
  */
-#ifndef REPORT_LABEL_REPORT_H
-#define REPORT_LABEL_REPORT_H
+#ifndef SHOW_LABEL_REPORT_H
+#define SHOW_LABEL_REPORT_H
 
 #include <stdint.h>
 

@@ -23,8 +23,8 @@
  *
  * The functions convert memory; the caller finds, reads and writes files.
  */
-#ifndef REPORT_LABEL_TABLE_H
-#define REPORT_LABEL_TABLE_H
+#ifndef SHOW_LABEL_TABLE_H
+#define SHOW_LABEL_TABLE_H
 
 #include "base/buf.h"
 #include "session/map.h"

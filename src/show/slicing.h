@@ -56,7 +56,7 @@ enum err slicing_draw_below(struct canvas *canvas, struct session *session,
                             const uint32_t place[3], struct fault *fault);
 
 /* Convert a canvas with cells to a picture with labels, voxels and notes. The labels are those of
- * the voxels, also without an overlay. The caller releases it. */
+ * the voxels, also without an overlay. The caller releases it, also on error. */
 enum err slicing_export(struct picture *picture, const struct session *session,
                         enum slice_kind kind, const struct labels *labels,
                         const struct canvas *canvas, struct fault *fault);
