@@ -103,10 +103,9 @@ static bool is_dark(const struct edges *edges, size_t here, size_t there, const 
                     int64_t steps)
 {
     const struct rendition *r = edges->rendition;
-    if (is_behind(edges, here, there, way, steps))
-        return true;
     const struct way back = reversed(way);
-    return r->label[here] < r->label[there] && !is_behind(edges, there, here, &back, steps);
+    return is_behind(edges, here, there, way, steps) ||
+           (r->label[here] < r->label[there] && !is_behind(edges, there, here, &back, steps));
 }
 
 static const struct way around[4] = {{1, 0, 256}, {0, 1, 256}, {-1, 0, 256}, {0, -1, 256}};
@@ -200,7 +199,6 @@ static bool is_crest(struct edges *edges, uint32_t x, uint32_t y, int axis)
 enum edge edge_at(struct edges *edges, uint32_t x, uint32_t y)
 {
     const enum edge edge = hiding_at(edges, x, y);
-    if (edge != EDGE_NONE)
-        return edge;
-    return is_crest(edges, x, y, 0) || is_crest(edges, x, y, 1) ? EDGE_DARK : EDGE_NONE;
+    const bool may_fold = edge == EDGE_NONE;
+    return may_fold && (is_crest(edges, x, y, 0) || is_crest(edges, x, y, 1)) ? EDGE_DARK : edge;
 }
