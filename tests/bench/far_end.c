@@ -23,10 +23,7 @@ enum {
 
 #define PATIENCE_NS UINT64_C(60000000000) /* without a byte */
 #define IDLE_NS     UINT64_C(10000000000) /* without a byte, and without processor time */
-#define STILL_NS                                                                                   \
-    UINT64_C(250000000) /* nothing came, and the program did nothing, for so long
-                                              and the line's round trip */
-#define POLL_NS UINT64_C(5000000)
+#define POLL_NS     UINT64_C(5000000)
 
 /* One direction of the line: packets in the order in which they arrive. */
 struct lane {
@@ -45,6 +42,7 @@ struct far_end {
     const struct graphics *graphics;
     double ns_per_byte;
     uint64_t one_way_ns, free_ns; /* when all that was put on the line has left */
+    uint64_t still_ns;            /* it rests when nothing came, and the program did nothing */
     struct lane here, there;      /* to the terminal; to the program */
     char sequence[SEQUENCE];      /* since the last escape */
     size_t length;
@@ -255,7 +253,6 @@ static void begin(struct far_end *e, const char *keys, const char *const *awaite
 
 static enum err rest(struct far_end *e, struct fault *fault)
 {
-    const uint64_t still_ns = STILL_NS + 2 * e->one_way_ns;
     uint64_t worked = 0, busy_ns = 0;
     for (;;) {
         const uint64_t now_ns = clock_ns(), last_ns = e->result->last_ns;
@@ -263,7 +260,7 @@ static enum err rest(struct far_end *e, struct fault *fault)
         busy_ns = work != worked ? now_ns : busy_ns;
         worked = work;
         const uint64_t later_ns = last_ns > busy_ns || e->is_ahead ? last_ns : busy_ns;
-        const bool rests = (e->here.packets == 0 || e->is_ahead) && now_ns > later_ns + still_ns;
+        const bool rests = (e->here.packets == 0 || e->is_ahead) && now_ns > later_ns + e->still_ns;
         if (!*e->awaited && (e->is_soon || rests)) {
             e->result->processor_ns = work - e->worked_ns;
             return OK;
@@ -378,6 +375,7 @@ enum err far_end_new(struct far_end **out, const char *program, char *const *arg
     e->terminal = -1;
     e->graphics = graphics;
     e->one_way_ns = (uint64_t)(line->one_way_ms * 1e6);
+    e->still_ns = (uint64_t)(line->still_ms * 1e6) + 2 * e->one_way_ns;
     if (line->bits_per_second > 0)
         e->ns_per_byte = 8e9 / line->bits_per_second;
     if (!program && !bench_find_in_tree(&own, "iftty"))

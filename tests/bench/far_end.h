@@ -25,6 +25,7 @@ enum { FAR_AWAITED_MOST = 4 };
 struct far_line {
     double bits_per_second; /* 0: no limit */
     double one_way_ms;
+    double still_ms; /* the terminal rests after that time without a byte, and the round trip */
 };
 
 struct far_end;

@@ -139,17 +139,18 @@ static const struct column {
                            [BYTES] = {"kilobytes", "kB", 1},
                            [PROCESSOR] = {"processor_ms", "processor", 5}};
 
+enum { HELD_MS = 33, STILL_MS = 250, QUICK_STILL_MS = 20 };
+
 static const struct line_kind {
     const char *name, *text;
     struct far_line line;
     unsigned keys; /* at most KEYS_MOST */
-} lines[] = {{"local", "no line", {0, 0}, 16},
-             {"fast", "20 Mbit/s, 30 ms round trip", {20e6, 15}, 12},
-             {"slow", "2 Mbit/s, 120 ms round trip", {2e6, 60}, 6}};
+} lines[] = {{"local", "no line", {0, 0, STILL_MS}, 16},
+             {"fast", "20 Mbit/s, 30 ms round trip", {20e6, 15, STILL_MS}, 12},
+             {"slow", "2 Mbit/s, 120 ms round trip", {2e6, 60, STILL_MS}, 6}};
 enum { LINES = sizeof lines / sizeof lines[0], PILOTED = 3, QUICK_KEYS = 4 };
 static const struct graphics *const piloted[PILOTED] = {&graphics_kitty, &graphics_tiles,
                                                         &graphics_sixel};
-enum { HELD_MS = 33 };
 
 static unsigned held_for_ms = 1500, idle_ms = 10000;
 
@@ -184,14 +185,13 @@ static struct pilot_name name_of(unsigned line, unsigned pilot)
 static void time_start(struct figures *f)
 {
     static const char *const awaited[] = {"> ", "voxels of", "> ", NULL};
-    static const struct far_line line = {0, 0};
     struct far_end *e = NULL;
     struct far_result result;
     const char *folder = bench_folder(NULL);
     char journal[PATH_MAX];
     snprintf(journal, sizeof journal, "%s/bench.iftty", folder);
     char *const argument[] = {"iftty", "--journal", journal, f->scene.data, NULL};
-    must(far_end_new(&e, f->program, argument, folder, NULL, &line, &bench_fault));
+    must(far_end_new(&e, f->program, argument, folder, NULL, &lines[0].line, &bench_fault));
     must(far_end_press(e, "", awaited, &result, &bench_fault));
     for (int m = 0; m < MOMENTS; m++)
         f->start[m].ms[f->start[m].count++] =
@@ -438,11 +438,15 @@ static void time_keys(const struct figures *f, const struct graphics *graphics,
 
 static void time_pilot(struct figures *f)
 {
-    for (unsigned l = 0; l < (f->quick && !f->only ? 1 : LINES); l++)
+    for (unsigned l = 0; l < (f->quick && !f->only ? 1 : LINES); l++) {
+        struct far_line line = lines[l].line;
+        if (f->quick)
+            line.still_ms = QUICK_STILL_MS;
         for (unsigned p = 0; p < PILOTED; p++)
             if (!f->only || strstr(name_of(l, p).text, f->only))
-                time_keys(f, piloted[p], &lines[l].line, f->quick ? QUICK_KEYS : lines[l].keys,
+                time_keys(f, piloted[p], &line, f->quick ? QUICK_KEYS : lines[l].keys,
                           f->key[l][p]);
+    }
 }
 
 /* ---- the first run ---- */
@@ -595,7 +599,8 @@ static void find_files(struct figures *f)
 {
     OWNED(interpreter_release) struct interpreter interp;
     must(interpreter_init(&interp, &bench_fault));
-    must(bench_find_example(&f->journal, &interp, &bench_fault));
+    if (!f->quick || !bench_find_in_tree(&f->journal, "examples/shells.iftty"))
+        must(bench_find_example(&f->journal, &interp, &bench_fault));
     if (interpreter_find_scene(&interp, 0, "ch2.nii.gz", false, &f->scene, NULL))
         must(interpreter_find_scene(&interp, 0, "synth:geom", false, &f->scene, &bench_fault));
 }
