@@ -130,7 +130,7 @@ def make():
 
     # hostile and damaged
     whole = open("binary.dcm", "rb").read()
-    write("cut-pixels.dcm", whole[:-20])
+    write("bad-pixels.dcm", whole[:-20])
     write("cut-header.dcm", whole[:len(whole) // 2])
     hurt("many", lambda s: setattr(s, "NumberOfFrames", 10 ** 9))
     hurt("more", lambda s: setattr(s, "NumberOfFrames", s.NumberOfFrames + 1))
