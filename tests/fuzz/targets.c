@@ -6,16 +6,16 @@
 
 /* Fewer changes for the slowest targets. */
 static const struct fuzz_target target[] = {
-    {"command", fuzz_command, 6000}, {"config", fuzz_config, 6000},
-    {"csa", fuzz_csa, 6000},         {"exr", fuzz_exr, 2000},
-    {"helper", fuzz_helper, 3000},   {"journal", fuzz_journal, 6000},
-    {"keys", fuzz_keys, 6000},       {"labels", fuzz_labels, 6000},
-    {"line", fuzz_line, 6000},       {"mgh", fuzz_mgh, 3000},
-    {"nifti", fuzz_nifti, 2000},     {"nrrd", fuzz_nrrd, 3000},
-    {"png", fuzz_png, 6000},         {"procedure", fuzz_procedure, 3000},
-    {"raw", fuzz_raw, 3000},         {"request", fuzz_request, 6000},
-    {"seeds", fuzz_seeds, 6000},     {"seg", fuzz_seg, 1000},
-    {"surface", fuzz_surface, 100},  {"transform", fuzz_transform, 6000}};
+    {"command", fuzz_command, 1500}, {"config", fuzz_config, 1500},
+    {"csa", fuzz_csa, 1500},         {"exr", fuzz_exr, 500},
+    {"helper", fuzz_helper, 750},    {"journal", fuzz_journal, 1500},
+    {"keys", fuzz_keys, 1500},       {"labels", fuzz_labels, 1500},
+    {"line", fuzz_line, 1500},       {"mgh", fuzz_mgh, 750},
+    {"nifti", fuzz_nifti, 500},      {"nrrd", fuzz_nrrd, 750},
+    {"png", fuzz_png, 1500},         {"procedure", fuzz_procedure, 750},
+    {"raw", fuzz_raw, 750},          {"request", fuzz_request, 1500},
+    {"seeds", fuzz_seeds, 1500},     {"seg", fuzz_seg, 250},
+    {"surface", fuzz_surface, 25},   {"transform", fuzz_transform, 1500}};
 
 const struct fuzz_target *fuzz_find(const char *name)
 {
