@@ -38,8 +38,7 @@ out_has 'other files of this case may be channels: `channel case_0001.nii`'
 expect 0 "$iftty" -c "open case_0000.nii; $seeds; compare truth.nii"
 [ "$(dice 2)" -lt 300 ] || fail "the first channel alone has an edge there: $(dice 2)"
 expect 0 "$iftty" verify j.iftty
-expect 0 "$iftty" -c "info" --journal j.iftty
-out_has "channel   2 FLAIR, digest "
+expect_out "channel   2 FLAIR, digest " 0 "$iftty" -c "info" --journal j.iftty
 
 begin "the scene as its own second channel changes no bit"
 expect 0 "$iftty" -c "open case_0000.nii; $seeds; finish relax; finished on; stats finished=yes" \
@@ -260,8 +259,7 @@ expect 2 "$iftty" serv here/whole
 err_has "serv is no program, and no file or folder here; did you mean serve?"
 expect 2 "$iftty" j.iftty case_0001.nii </dev/null
 err_has "j.iftty is a journal; expected no other file"
-expect 2 "$iftty" -c "open case_0000.nii case_0001.nii"
-err_has '`channel FILE` adds another file'
+expect_err '`channel FILE` adds another file' 2 "$iftty" -c "open case_0000.nii case_0001.nii"
 
 begin "answers about intensities name the channel, if there are several"
 for channels in "" "channel case_0001.nii name=FLAIR; show-channel 2"; do
@@ -296,7 +294,6 @@ expect 2 "$iftty" -c "open case_0000.nii; weight polarity; channel case_0001.nii
 expect 2 "$iftty" -c "open case_0000.nii; show-channel next"
 err_has 'the scene has one channel; `channel FILE` adds another'
 expect 3 "$iftty" -c "open case_0000.nii; channel small.nii"
-expect 3 "$iftty" apply j.iftty case_0001.nii --by world
-err_has "its scene has several channels"
+expect_err "its scene has several channels" 3 "$iftty" apply j.iftty case_0001.nii --by world
 
 finish

@@ -191,8 +191,7 @@ h = nibabel.load("out.nii").header
 print(h.get_intent()[0], len(h.extensions))')" "label 0"
 expect 0 "$iftty" -c "open s.nii; labels coded.nii.gz; run; stats"
 out_has '2 names and colours from the file' '1 code from the file'
-expect 0 "$iftty" -c "open s.nii; labels bomb.nii; run; stats"
-out_has 'label 4 &e9;: '
+answers 'label 4 &e9;: ' "open s.nii; labels bomb.nii; run; stats"
 expect 0 "$iftty" -c "open s.nii; labels out.nii.gz; run; save cost cost.nii"
 same "$(/usr/bin/python3 -c 'import nibabel
 print(nibabel.load("cost.nii").header.get_intent()[0])')" none
@@ -247,8 +246,7 @@ same_files one.tsv two.tsv
 copy=$(echo n.golden/labels-*.nii.gz)
 gzip -dc "$copy" | sed 's/spleen/spleeN/' | gzip >changed
 cp changed "$copy"
-expect 3 "$iftty" verify n.iftty
-out_has 'holds labels other than recorded'
+expect_out 'holds labels other than recorded' 3 "$iftty" verify n.iftty
 mv away/in.nii.gz .
 
 begin "a copy that names a label above 255 is rejected, though its digest is that of the record"
@@ -282,8 +280,7 @@ err_has 'a mask would change regions that `labels rest=keep` has kept'
 expect 2 "$iftty" -c 'labels in.nii.gz regions=4 rest=keep' --journal k.iftty
 err_has 'rest=keep: regions are kept already'
 mv away/many.nii.gz .
-expect 2 "$iftty" -c 'open s.nii; labels many.nii.gz rest=keep'
-err_has 'rest=keep: needs `regions`'
+expect_err 'rest=keep: needs `regions`' 2 "$iftty" -c 'open s.nii; labels many.nii.gz rest=keep'
 expect 3 "$iftty" -c 'open s.nii; labels many.nii.gz regions=5 as=9 rest=keep; save labels no.nii'
 err_has 'label 9 has the number of a region that is kept'
 expect 3 "$iftty" -c 'open s.nii; seed 1,3,2 7; run; labels many.nii.gz regions=5 rest=keep'
