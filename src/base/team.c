@@ -7,6 +7,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "base/mem.h"
 
@@ -22,7 +23,7 @@ struct worker {
 };
 
 struct team {
-    unsigned size;
+    unsigned size, spins;            /* turns before a yield; none with more workers than cores */
     struct worker worker[TEAM_MOST]; /* [0] is the caller and has no thread */
 
     /* team_wait: the last worker to arrive increments `meeting`, which releases the others. */
@@ -105,6 +106,7 @@ enum err team_new(struct team **out, unsigned workers, struct fault *fault)
     *out = team;
     if (!team)
         return fault_memory(fault, "threads");
+    team->spins = sysconf(_SC_NPROCESSORS_ONLN) < (long)workers ? 0 : SPINS;
     pthread_mutex_init(&team->lock, NULL);
     pthread_cond_init(&team->begins, NULL);
     pthread_cond_init(&team->ended, NULL);
@@ -172,10 +174,7 @@ void team_wait(struct team *team)
     }
     for (unsigned spins = 0; atomic_load_explicit(&team->meeting, memory_order_acquire) == meeting;
          spins++)
-        if (spins < SPINS)
-            pause_briefly();
-        else
-            sched_yield();
+        spins < team->spins ? pause_briefly() : (void)sched_yield();
 }
 
 struct share team_share(const struct team *team, unsigned worker, size_t count)
