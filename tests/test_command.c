@@ -846,8 +846,10 @@ STORY(commands_are_the_same_wherever_their_file_is_seen_from)
     CHECK(command_opens(&name, &is_scene, &is_part, "channel 'a crop=b' name=\"b data=c\"") &&
           !is_scene && !is_part);
     CHECK_TEXT(buf_text(&name), "a crop=b");
-    static const char *const others[] = {"mask a.nii", "open volume=2", "open a.nii b.nii",
-                                         "channel 2 percent=50"};
+    static const char *const others[] = {"mask a.nii",         "open volume=2",
+                                         "open a.nii b.nii",   "channel 2 percent=50",
+                                         "open a.nii serie=2", "open a.nii missing=blan volume=x",
+                                         "open 'a.nii"};
     static const char *const parts[] = {"open\ta.nii\tcrop=1-2,1-2,1-2", "open a.nii 'reduce=2'",
                                         "open raw:a size=2,2,2", "channel a.nii resample=yes",
                                         "channel a.h5 data=/b"};

@@ -677,31 +677,23 @@ struct label_set call_takes(const struct call *call)
 bool command_opens(struct buf *name, bool *is_scene, bool *is_part, const char *line)
 {
     static const char *const parts[] = {"data|resample", "crop|reduce|size"};
-    static const struct value none[PARAMETERS_MOST];
-    const struct command *command = NULL;
-    OWNED(buf_release) struct buf whole = {0};
-    unsigned files = 0;
-    *is_part = false;
-    for (scan_blanks(&line); *line; scan_blanks(&line)) {
-        buf_clear(&whole);
-        if (!command_take_word(&line, &whole, COMMAND_QUOTES))
-            return false;
-        const char *word = buf_text(&whole);
-        const int i = command ? command_parameter_for(command, none, &word) : -1;
-        const struct parameter *p = i < 0 ? NULL : command->parameter + i;
-        if (!command && !(command = command_find(word)))
-            return false;
-        *is_scene = command->parameter->is_scene;
-        if (!(*is_scene || command->parameter->is_channel))
-            return false;
-        *is_part |= p && choice_find(parts[*is_scene], p->name) >= 0;
-        if (i == 0 && !(p->choices && choice_find(p->choices, word) >= 0) && files++ == 0) {
-            buf_clear(name);
-            buf_add_text(name, word);
-        }
-    }
-    name->failed |= whole.failed;
-    return files == 1;
+    struct call call;
+    const char *at = line;
+    buf_clear(name);
+    scan_blanks(&at);
+    const bool is_split = command_take_word(&at, name, COMMAND_QUOTES);
+    const struct command *command = is_split ? command_find(buf_text(name)) : NULL;
+    const struct parameter *file = command ? command->parameter : NULL;
+    if (!file || !(file->is_scene || file->is_channel) ||
+        command_parse_by(&call, line, NULL, NULL, NULL) != OK) /* no places or labels in these */
+        return false;
+    buf_clear(name);
+    buf_add_text(name, call.value->text);
+    *is_scene = file->is_scene;
+    *is_part = call_has(&call, parts[*is_scene]);
+    const bool is_number = call.value->number >= 0;
+    call_release(&call);
+    return !is_number;
 }
 
 bool command_is_same(const char *a, const char *b)
