@@ -65,7 +65,7 @@ for name in $names; do
     expect 0 "$iftty" verify j.iftty
 done
 
-begin "commands of every number have the canonical form that they had"
+begin "commands of every number are written, and saved files have the values, as before"
 for name in $names; do
     take "$name"
     expect 0 "$iftty" log --script j.iftty
@@ -76,6 +76,14 @@ for name in $names; do
     expect 0 "$PYTHON" "$top/tests/read_journal.py" "$top/journal/FORMAT.md" again.iftty
     sed '1d; /^=/d; /^#@/d' j.iftty >then
     sed '1d; /^=/d; /^#@/d' again.iftty | diff then - >different || fail "$name: $(cat different)"
+    for file in again.out/*.nii.gz again.out/*.stl; do
+        [ -e "$file" ] || continue
+        case $file in
+        *.gz) gzip -dc "$file" >map.nii && voxels_of map.nii ;;
+        *) tail -c +81 "$file" ;;
+        esac | cksum
+    done >sums
+    same_files sums "$journals/$name.sums"
     rm -rf again.*
 done
 
