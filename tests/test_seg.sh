@@ -76,6 +76,16 @@ for how in "" resample=yes; do # without what was there before
     labelled "labels.twin.nii; labels few.dcm $how" few
 done
 
+begin "another frame of reference is named"
+"$PYTHON" -c 'import pydicom
+one = pydicom.dcmread("binary.dcm")
+one.FrameOfReferenceUID = "1.2.3"
+one.save_as("elsewhere.dcm")'
+answers "another DICOM frame of reference" "open ct; labels elsewhere.dcm"
+answers "another DICOM frame of reference" "open ct; channel elsewhere.dcm"
+expect 0 "$iftty" -c "open ct; labels binary.dcm"
+[ "$(grep -c "frame of reference" "$work/out")" = 0 ] || fail "$(cat "$work/out")"
+
 begin "a voxel of a SEG elsewhere is not tested by a proof"
 mkdir here
 "$PYTHON" -c 'import nibabel

@@ -189,6 +189,8 @@ void answer(const Volume &volume, const Request &request)
     number[13] = volume.intercept;
     if (volume.series)
         transmit("series " + std::to_string(volume.series) + "\n");
+    if (volume.frame)
+        transmit("frame " + std::to_string(volume.frame) + "\n");
     if (request.refers)
         transmit("references " + std::to_string(volume.references.size()) + "\n" +
                  volume.references);

@@ -320,6 +320,9 @@ void take_pixels(Slice &slice, const gdcm::DataSet &set)
     take_binary(slice.stored, set, gdcm::Tag(0x0028, 0x0101));
     take_binary(slice.high, set, gdcm::Tag(0x0028, 0x0102));
     slice.is_signed = is_signed == 1;
+    slice.reference = 0;
+    for (const char c : text_of(set, gdcm::Tag(0x0020, 0x0052)))
+        slice.reference = slice.reference * 1000003u ^ static_cast<unsigned char>(c);
     int frames = 1;
     take_integer(frames, set, frames_tag);
     slice.frames = static_cast<unsigned>(std::min(std::max(frames, 1), 65535));

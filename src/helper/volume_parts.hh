@@ -72,6 +72,7 @@ struct Volume {
     std::string contents; /* the chosen volume, otherwise of all; "": unknown */
     uint64_t volumes = 1;
     uint64_t series = 0; /* counted from 1; 0: not from a series */
+    uint32_t frame = 0;  /* hash of its FrameOfReferenceUID; 0: none */
     unsigned known = NOTHING;
     double to_mm[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}; /* right, anterior, superior */
     double slope = 1, intercept = 0;
@@ -197,6 +198,7 @@ struct Slice {
     bool names_patient = false;     /* but not if it names the patient */
     std::map<unsigned, Value> tags; /* by row (volume_tags.cc) */
     std::string fault;              /* reason why it cannot be read; "" if it can */
+    uint32_t reference = 0;         /* hash of its FrameOfReferenceUID; 0: none */
     unsigned frame = 0, frames = 1;
     unsigned tiles = 1, images = 0; /* in a mosaic: per side of the square, in all */
     unsigned columns = 0, rows = 0, samples = 1, bits = 16;

@@ -442,6 +442,7 @@ void place_series(Volume &volume, const std::vector<Slice> &slice)
     const Slice &first = slice.front(), &last = slice.back();
     const size_t steps = slice.size() - 1;
     double column[3][3], normal[3];
+    volume.frame = first.reference;
     normal_of(normal, first.axis);
     const bool is_placed = have_places(slice), is_located = !is_placed && have_locations(slice);
     const double depth = is_located ? (last.along - first.along) / static_cast<double>(steps)

@@ -51,6 +51,7 @@ struct geometry {
     double to_mm[3][4];      /* world = to_mm * (i, j, k, 1), voxel centres at whole i, j, k */
     double slope, intercept; /* real value = slope * intensity + intercept, intensity 0..65535 */
     uint32_t spacing_nm[3];  /* distance of voxel centres along i, j, k, nanometres, 1.. */
+    uint32_t frame;          /* hash of the frame of reference in DICOM; 0: unknown */
     bool spacing_unknown;    /* the file does not state it along every axis; it is set to 1 mm */
     enum orientation orientation;
     int8_t world_axis[3]; /* the world axis (0, 1, 2) nearest to each voxel axis; a permutation */

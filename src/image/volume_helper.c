@@ -307,7 +307,9 @@ static bool receive_references(struct buf *out, struct coprocess *process, const
 static enum err receive_answer(struct volume_header *out, struct coprocess *process,
                                char line[COPROCESS_LINE], struct fault *fault)
 {
-    static const int64_t most[2] = {FILES_MOST, FILES_MOST}, most_series = SERIES_MOST;
+    static const int64_t most[2] = {FILES_MOST, FILES_MOST}, most_series = SERIES_MOST,
+                         most_frame = UINT32_MAX;
+    int64_t frame = 0;
     bool fine = true;
     for (int64_t before = -1; fine;) {
         int64_t number[2];
@@ -324,6 +326,9 @@ static enum err receive_answer(struct volume_header *out, struct coprocess *proc
         else if (out->series == 0 && scan_text(&at, "series ") &&
                  coprocess_numbers(at, 1, &most_series, number))
             out->series = (uint32_t)number[0];
+        else if (frame == 0 && scan_text(&at, "frame ") &&
+                 coprocess_numbers(at, 1, &most_frame, &frame))
+            out->geometry.frame = (uint32_t)frame;
         else if (!scan_text(&at, "progress "))
             return OK;
         else if (!coprocess_numbers(at, 2, most, number) || number[0] <= before)

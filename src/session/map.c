@@ -434,6 +434,10 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
     if (*reader.header.contents)
         volume_note(map->notes, "volume %" PRIu32 " of %" PRIu32 ": %s", place->choice.volume,
                     reader.header.volumes, reader.header.contents);
+    if (map->geometry.frame && place->geometry->frame &&
+        map->geometry.frame != place->geometry->frame)
+        volume_note(map->notes, "another DICOM frame of reference than the scene's: its positions "
+                                "may be those of another examination; check them in slices");
     const enum err err =
         place->is_copy
             ? map_check_axes(map, place->geometry, fault)
