@@ -105,9 +105,8 @@ def bench_opening(build, folder, rounds):
 
 def bench_surface(build, folder):
     script = run([os.path.join(build, "iftty"), "log", "--script", "examples/brain.iftty"])
-    lines = [line for line in script.decode().splitlines()
+    lines = [line.replace("open ch2.nii.gz", "open " + CH2) for line in script.decode().splitlines()
              if line.split(" ")[0] in ("open", "weight", "label", "seed", "remove", "run")]
-    lines[lines.index("open ch2.nii.gz")] = "open " + CH2
     save = "save surface " + os.path.join(folder, "%s.ply") + " label=1"
     took = list(answers(build, lines + [save % "all", save % "few" + " triangles=60000"]))
     tell("save surface of a brain", took[-2])
