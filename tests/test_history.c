@@ -108,6 +108,19 @@ SCENE_STORY(an_edit_after_undo_costs_what_it_changes)
     CHECK_WITH(more < EACH, "%zu bytes each", more);
 }
 
+SCENE_STORY(names_of_many_labels_cost_what_they_change)
+{
+    enum { LABELS = 250, EACH = 1400 };
+    char line[64];
+    const size_t before = history_memory(&interp->history);
+    for (int i = 1; i <= LABELS; i++) {
+        snprintf(line, sizeof line, "label %d part-%d code=SCT:%d", i, i, i);
+        must(interp, line);
+    }
+    const size_t more = (history_memory(&interp->history) - before) / LABELS;
+    CHECK_WITH(more < EACH, "%zu bytes each", more);
+}
+
 SCENE_STORY(looking_back_moves_no_branch)
 {
     /* records 1 to 3 */

@@ -12,18 +12,26 @@
 
 /* ---- settings of the points, stored compactly ---- */
 
-/* struct kept has about 11 kB, and a command changes a few bytes of it. So points share a
+/* struct kept has about 38 kB, and a command changes a few bytes of it. So points share a
  * *ground*, a whole struct kept, and store only pieces that differ from it; with too many pieces, a
- * point has a ground of its own. Maps as large as the scene are held (kept_hold). */
+ * point has a ground of its own, which shares the equal blocks of the one before. Maps as large as
+ * the scene are held (kept_hold). */
 enum {
     KEPT_PIECE = 64,
+    KEPT_BLOCK = 16 * KEPT_PIECE,
     PIECES = (sizeof(struct kept) + KEPT_PIECE - 1) / KEPT_PIECE,
+    BLOCKS = (sizeof(struct kept) + KEPT_BLOCK - 1) / KEPT_BLOCK,
     PIECES_MOST = 16, /* beyond this, a ground of its own */
+};
+
+struct block {
+    size_t holders;
+    uint8_t bytes[KEPT_BLOCK];
 };
 
 struct ground {
     size_t holders;
-    struct kept kept;
+    struct block *block[BLOCKS];
 };
 
 struct piece {
@@ -40,28 +48,63 @@ struct kept_settings {
 
 _Static_assert(PIECES <= UINT16_MAX, "the number of a piece");
 
-/* Bytes of a piece; the last one is shorter. */
-static size_t extent(unsigned number)
+/* Bytes of the piece or block at `at`; the last one is shorter. */
+static size_t extent(size_t at, size_t whole)
 {
-    const size_t left = sizeof(struct kept) - (size_t)number * KEPT_PIECE;
-    return left < KEPT_PIECE ? left : KEPT_PIECE;
+    const size_t left = sizeof(struct kept) - at;
+    return left < whole ? left : whole;
 }
 
-/* Find the pieces in which two differ, PIECES_MOST at most, and return their number, or one
- * more. */
-static unsigned find_pieces(uint16_t number[PIECES_MOST], const struct kept *a,
-                            const struct kept *b)
+/* Find the pieces in which settings differ from a ground, PIECES_MOST at most, and return their
+ * number, or one more. */
+static unsigned find_pieces(uint16_t number[PIECES_MOST], const struct ground *ground,
+                            const struct kept *kept)
 {
     unsigned found = 0;
     for (unsigned n = 0; n < PIECES && found <= PIECES_MOST; n++) {
         const size_t at = (size_t)n * KEPT_PIECE;
-        if (memcmp((const char *)a + at, (const char *)b + at, extent(n)) == 0)
+        const struct block *block = ground->block[at / KEPT_BLOCK];
+        if (memcmp(block->bytes + at % KEPT_BLOCK, (const char *)kept + at,
+                   extent(at, KEPT_PIECE)) == 0)
             continue;
         if (found < PIECES_MOST)
             number[found] = (uint16_t)n;
         found++;
     }
     return found;
+}
+
+static void ground_drop(struct ground *ground)
+{
+    if (--ground->holders > 0)
+        return;
+    for (unsigned b = 0; b < BLOCKS; b++)
+        if (ground->block[b] && --ground->block[b]->holders == 0)
+            free(ground->block[b]);
+    free(ground);
+}
+
+/* Make a ground with one holder; NULL without memory. `like` is a similar one, or NULL. */
+static struct ground *ground_new(const struct ground *like, const struct kept *kept)
+{
+    struct ground *ground = mem_new(sizeof *ground);
+    if (!ground)
+        return NULL;
+    ground->holders = 1;
+    for (unsigned b = 0; b < BLOCKS; b++) {
+        const char *bytes = (const char *)kept + (size_t)b * KEPT_BLOCK;
+        const size_t length = extent((size_t)b * KEPT_BLOCK, KEPT_BLOCK);
+        const bool is_shared = like && memcmp(like->block[b]->bytes, bytes, length) == 0;
+        ground->block[b] = is_shared ? like->block[b] : mem_new(sizeof **ground->block);
+        if (!ground->block[b]) {
+            ground_drop(ground);
+            return NULL;
+        }
+        ground->block[b]->holders++;
+        if (!is_shared)
+            memcpy(ground->block[b]->bytes, bytes, length);
+    }
+    return ground;
 }
 
 /* Make settings with one holder; NULL without memory. They are immutable and counted: each
@@ -71,18 +114,18 @@ static struct kept_settings *kept_settings_new(const struct kept_settings *like,
 {
     uint16_t number[PIECES_MOST];
     struct ground *ground = like ? like->ground : NULL;
-    unsigned pieces = ground ? find_pieces(number, &ground->kept, kept) : PIECES_MOST + 1;
-    const bool is_own = pieces > PIECES_MOST;
-    if (is_own) {
-        ground = mem_new(sizeof *ground);
-        if (ground)
-            memcpy(&ground->kept, kept, sizeof *kept);
+    unsigned pieces = ground ? find_pieces(number, ground, kept) : PIECES_MOST + 1;
+    if (pieces > PIECES_MOST) {
+        ground = ground_new(ground, kept);
         pieces = 0;
+    } else {
+        ground->holders++;
     }
     struct kept_settings *settings =
         ground ? mem_new(sizeof *settings + pieces * sizeof *settings->piece) : NULL;
     if (!settings) {
-        free(is_own ? ground : NULL);
+        if (ground)
+            ground_drop(ground);
         return NULL;
     }
     settings->holders = 1;
@@ -90,10 +133,9 @@ static struct kept_settings *kept_settings_new(const struct kept_settings *like,
     settings->pieces = pieces;
     for (unsigned i = 0; i < pieces; i++) {
         settings->piece[i].number = number[i];
-        memcpy(settings->piece[i].bytes, (const char *)kept + (size_t)number[i] * KEPT_PIECE,
-               extent(number[i]));
+        const size_t at = (size_t)number[i] * KEPT_PIECE;
+        memcpy(settings->piece[i].bytes, (const char *)kept + at, extent(at, KEPT_PIECE));
     }
-    ground->holders++;
     kept_hold(kept);
     return settings;
 }
@@ -104,19 +146,19 @@ static void kept_settings_drop(struct kept_settings *settings)
         return;
     struct kept kept = kept_settings_get(settings);
     kept_release(&kept);
-    if (--settings->ground->holders == 0)
-        free(settings->ground);
+    ground_drop(settings->ground);
     free(settings);
 }
 
 struct kept kept_settings_get(const struct kept_settings *settings)
 {
     struct kept kept;
-    memcpy(&kept, &settings->ground->kept, sizeof kept);
+    for (size_t at = 0; at < sizeof kept; at += KEPT_BLOCK)
+        memcpy((char *)&kept + at, settings->ground->block[at / KEPT_BLOCK]->bytes,
+               extent(at, KEPT_BLOCK));
     for (unsigned i = 0; i < settings->pieces; i++) {
-        const struct piece *piece = settings->piece + i;
-        memcpy((char *)&kept + (size_t)piece->number * KEPT_PIECE, piece->bytes,
-               extent(piece->number));
+        const size_t at = (size_t)settings->piece[i].number * KEPT_PIECE;
+        memcpy((char *)&kept + at, settings->piece[i].bytes, extent(at, KEPT_PIECE));
     }
     return kept;
 }
@@ -162,8 +204,11 @@ static size_t point_memory(const struct point *point, const struct point *parent
                       before = parent ? kept_settings_get(parent->settings) : (struct kept){0};
     size_t bytes = 2 * point->seeds * sizeof(struct edit) + strlen(point->command) + 1;
     const struct kept_settings *settings = point->settings; /* without the maps: */
+    size_t ground = sizeof *settings->ground;
+    for (unsigned b = 0; b < BLOCKS; b++)
+        ground += sizeof(struct block) / settings->ground->block[b]->holders;
     bytes += (sizeof *settings + settings->pieces * sizeof *settings->piece +
-              sizeof *settings->ground / settings->ground->holders) /
+              ground / settings->ground->holders) /
              settings->holders;
     bytes += edit_lists_memory(&point->lists);
     bytes += before.mask == kept.mask ? 0 : packed_memory(kept.mask);

@@ -136,6 +136,7 @@ static void follow(struct session *session, const struct edit *edit, size_t coun
     border_update(&session->border, &changes);
     const struct moment begin = moment_now();
     session->inside->follower->follow(session->pictures, &changes);
+    must(session_draw(session, RENDER_AS_KEPT, &bench_fault));
     if (changes.count > 500 && changes.count < 4000)
         add_since(row, which, begin);
 }
