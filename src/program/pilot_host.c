@@ -548,8 +548,8 @@ static enum err host_picture(void *context, const struct pilot_wish *wish, struc
                                 .slice = pilot->slice,
                                 .slices = PANES_SLICES,
                                 .smooth = pilot->smooth,
-                                .has_tints =
-                                    wish->marks_outline || session_of(context)->markers.count > 0,
+                                .has_tints = wish->marks_outline,
+                                .has_balls = session_of(context)->markers.count > 0,
                                 .is_hasty = panes->panel.is_hasty,
                                 .hue = pilot->hue,
                                 .hues = shown_hues(pilot->hue, session_of(context))};

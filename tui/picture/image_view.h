@@ -30,6 +30,7 @@ struct image_view {
     const uint32_t *hue;
     unsigned hues;           /* 0 if no label is visible: greys alone */
     bool has_tints;          /* hues are laid over greys, however small the area is */
+    bool has_balls;          /* markers: levels of tints, unless bytes count */
     struct raster_box focus; /* sent finely first; empty: none */
     const uint8_t *words;    /* [height][width]: not 0 for words, which stay sharp; or NULL */
     const struct raster_note *note; /* [notes]; those outside the picture are ignored */

@@ -661,7 +661,8 @@ bool painter_show(struct painter *p, const struct image_view *view, struct buf *
     if (p->holder && p->holder != g)
         painter_remove(p, out);
     fitting.has_few_greys = view->is_slow && g->palette_always;
-    fitting.has_tints |= view->strips > 0; /* another palette for an outline would cost more */
+    /* Another palette for an outline would cost more. */
+    fitting.has_tints |= view->strips > 0 || (view->has_balls && !fitting.has_few_greys);
     const bool fine = cut_view(&fitting, width, height, &copy) &&
                       (g->show ? g->show(p, &fitting, out) : show_pixels(p, &fitting, out));
     if (fine) {
