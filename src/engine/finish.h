@@ -21,10 +21,8 @@
  * Steps
  *   majority    Each voxel is assigned the most frequent label of the voxels within `radius` along
  *               every axis (a cube, including the voxel). On a tie it keeps its own label if that
- *               is
- *               one of the most frequent, else the smallest of them is assigned. For one label:
- *               only
- *               changes from or to that label.
+ *               is one of the most frequent, else the smallest of them is assigned. For one label:
+ *               only changes from or to that label.
  *   largest     Keep the largest component of each label except 0; on a tie the one with the lowest
  *               cell. The others are reassigned (see below). For one label: of that label.
  *   components  The same, but keep each component of at least `voxels` voxels.

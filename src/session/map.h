@@ -10,9 +10,8 @@
  * changed or deleted later. It is stored with the golden images, so a replay needs neither the file
  * nor the program or learned model that made it. It holds labels 0..255, and 65535 in voxels of
  * regions that were not chosen, or 256 more than the number of one that is kept, as uint16 on the
- * scene's grid, and the names and colours of those
- * labels, if the file has some, and nothing else of the file. Its name is the digest of both, which
- * the command records:
+ * scene's grid, and the names, colours and codes of those labels, if the file has some, and nothing
+ * else of the file. Its name is the digest of both, which the command records:
  *
  *     study.golden/labels-0123456789abcdef0123456789abcdef.nii.gz
  */
