@@ -199,6 +199,7 @@ static bool is_crest(struct edges *edges, uint32_t x, uint32_t y, int axis)
 enum edge edge_at(struct edges *edges, uint32_t x, uint32_t y)
 {
     const enum edge edge = hiding_at(edges, x, y);
-    const bool may_fold = edge == EDGE_NONE;
-    return may_fold && (is_crest(edges, x, y, 0) || is_crest(edges, x, y, 1)) ? EDGE_DARK : edge;
+    if (edge == EDGE_NONE && (is_crest(edges, x, y, 0) || is_crest(edges, x, y, 1)))
+        return EDGE_DARK;
+    return edge;
 }

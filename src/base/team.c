@@ -7,7 +7,6 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "base/mem.h"
 
@@ -39,6 +38,13 @@ struct team {
     bool is_ending;
 };
 
+/* Cores that this process may use; 1 if unknown. */
+static unsigned count_cores(void)
+{
+    cpu_set_t cores;
+    return sched_getaffinity(0, sizeof cores, &cores) == 0 ? (unsigned)CPU_COUNT(&cores) : 1;
+}
+
 unsigned team_size_wanted(void)
 {
     const char *text = getenv("IFTTY_THREADS");
@@ -46,10 +52,7 @@ unsigned team_size_wanted(void)
     const unsigned long asked = text ? strtoul(text, &end, 10) : 0;
     if (text && *text && *end == '\0' && asked >= 1 && asked <= TEAM_MOST)
         return (unsigned)asked;
-    cpu_set_t cores;
-    if (sched_getaffinity(0, sizeof cores, &cores) != 0)
-        return 1;
-    const unsigned count = (unsigned)CPU_COUNT(&cores);
+    const unsigned count = count_cores();
     return count < WORKERS_UNASKED ? count : WORKERS_UNASKED;
 }
 
@@ -106,7 +109,7 @@ enum err team_new(struct team **out, unsigned workers, struct fault *fault)
     *out = team;
     if (!team)
         return fault_memory(fault, "threads");
-    team->spins = sysconf(_SC_NPROCESSORS_ONLN) < (long)workers ? 0 : SPINS;
+    team->spins = count_cores() < workers ? 0 : SPINS;
     pthread_mutex_init(&team->lock, NULL);
     pthread_cond_init(&team->begins, NULL);
     pthread_cond_init(&team->ended, NULL);
@@ -174,7 +177,10 @@ void team_wait(struct team *team)
     }
     for (unsigned spins = 0; atomic_load_explicit(&team->meeting, memory_order_acquire) == meeting;
          spins++)
-        spins < team->spins ? pause_briefly() : (void)sched_yield();
+        if (spins < team->spins)
+            pause_briefly();
+        else
+            sched_yield();
 }
 
 struct share team_share(const struct team *team, unsigned worker, size_t count)

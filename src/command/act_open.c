@@ -289,10 +289,11 @@ static void offer_channels(const struct act *act, const char *path, const char *
     const char *found = strrchr(file_name(path), '_');
     struct buf *next = act_buf(act), *out = &act->reply->text;
     const char *before = "other files of this case may be channels: `channel ";
-    if (!found || strncmp(found, "_000", 4) != 0 || found[4] < '0' || found[4] > '7' ||
-        found[5] != '.' || act->interp->has_channels || act->interp->mode != MODE_LIVE)
+    if (!found || strncmp(found, "_000", 4) != 0 || found[4] < '0' ||
+        found[4] > '0' + CHANNELS_MOST || found[5] != '.' || act->interp->has_channels ||
+        act->interp->mode != MODE_LIVE)
         return;
-    for (char digit = '0'; digit <= '7'; digit++) {
+    for (char digit = '0'; digit <= '0' + CHANNELS_MOST; digit++) {
         buf_clear(next);
         buf_add(next, path, (size_t)(found - path) + 4);
         buf_printf(next, "%c%s", digit, found + 5);

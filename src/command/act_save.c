@@ -162,10 +162,10 @@ enum err act_golden(const struct act *act)
                                         "records one from the beginning\n");
     } else if (is_new || interp->judge) {
         TRY(golden_path(path, buf_text(&interp->home), name, act->fault));
-        TRY((is_new ? write_golden : compare_golden)(interp, name, buf_text(path), &picture,
-                                                     act->fault));
-        if (is_new)
-            act_write_file_line("stored as ", buf_text(path), act->reply);
+        if (!is_new)
+            return compare_golden(interp, name, buf_text(path), &picture, act->fault);
+        TRY(write_golden(interp, name, buf_text(path), &picture, act->fault));
+        act_write_file_line("stored as ", buf_text(path), act->reply);
     }
     return OK;
 }

@@ -309,7 +309,6 @@ static enum err receive_answer(struct volume_header *out, struct coprocess *proc
 {
     static const int64_t most[2] = {FILES_MOST, FILES_MOST}, most_series = SERIES_MOST,
                          most_frame = UINT32_MAX;
-    int64_t frame = 0;
     bool fine = true;
     for (int64_t before = -1; fine;) {
         int64_t number[2];
@@ -326,9 +325,9 @@ static enum err receive_answer(struct volume_header *out, struct coprocess *proc
         else if (out->series == 0 && scan_text(&at, "series ") &&
                  coprocess_numbers(at, 1, &most_series, number))
             out->series = (uint32_t)number[0];
-        else if (frame == 0 && scan_text(&at, "frame ") &&
-                 coprocess_numbers(at, 1, &most_frame, &frame))
-            out->geometry.frame = (uint32_t)frame;
+        else if (out->geometry.frame == 0 && scan_text(&at, "frame ") &&
+                 coprocess_numbers(at, 1, &most_frame, number))
+            out->geometry.frame = (uint32_t)number[0];
         else if (!scan_text(&at, "progress "))
             return OK;
         else if (!coprocess_numbers(at, 2, most, number) || number[0] <= before)

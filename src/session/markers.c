@@ -345,8 +345,10 @@ uint32_t markers_at(const struct markers *markers, uint32_t cell)
             number == freed || !markers->marker[number - 1].is_valid ||
             !markers->marker[cover->marker - 1].is_valid)
             continue;
-        const bool yields = markers->marker[number - 1].yields;
-        *(yields && is_freed(markers, latest, cell, number) ? &freed : &decides) = number;
+        if (markers->marker[number - 1].yields && is_freed(markers, latest, cell, number))
+            freed = number;
+        else
+            decides = number;
     }
     return decides;
 }
