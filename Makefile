@@ -253,9 +253,11 @@ fuzz: build/.packages-matrix
 test-stress: all tests build/.packages-test
 	@tests/stress.sh $(BUILD)
 
-## soak: run 100 000 random commands by prompt, pilot and serve, with kills; hours; in build/soak
+## soak: run 100 000 random commands by prompt, pilot and serve, with kills, in ten journals;
+##     hours; in build/soak
 soak: all build/.packages-test
-	@rm -rf build/soak && $(PYTHON) -W ignore tests/soak.py build/iftty build/soak
+	@rm -rf build/soak && for seed in 1 2 3 4 5 6 7 8 9 10; do \
+	    SEED=$$seed $(PYTHON) -W ignore tests/soak.py build/iftty build/soak/$$seed || exit 1; done
 
 ## test-bare: run `make demo` and `make test` in a bare Debian 12 and a bare Debian 13 with git,
 ##     make and gcc alone; needs root, and some GB in build/bare; SUITES=trixie: one of them
