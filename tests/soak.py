@@ -26,7 +26,7 @@ In the end
 
     COMMANDS=10000   so many in all: of more, pieces and what frees them overlap too much
     SECONDS=         sessions end after so many; the end takes half as long again
-    LONGEST=5000     so many in a session; in one of the pilot at most 1000
+    LONGEST=2500     so many in a session; in one of the pilot at most 1000
     SIDE=100         voxels of the scene along each axis, at least 56
     SEED=1           of the random numbers, from which all commands follow, but for the kills"""
 import fcntl
@@ -57,7 +57,7 @@ SECONDS = float(os.environ.get("SECONDS") or "inf")
 TEMPORARY = os.path.join(FOLDER, "tmp")
 JOURNAL, BATCH, WAIT = "soak.iftty", 40, 300
 SIDE = int(os.environ.get("SIDE", "100"))  # voxels of the scene, at least 56
-LONGEST = int(os.environ.get("LONGEST", "5000"))  # commands of a session
+LONGEST = int(os.environ.get("LONGEST", "2500"))  # commands of a session
 LONGEST_PILOT = min(LONGEST, 1000)
 UNDO_MOST = 10  # kB of what can be undone for a record, half of which are balls and strokes
 HELPERS_MOST = 2  # one reads and writes pictures, one writes those that are not waited for
@@ -174,21 +174,19 @@ def looking():
     return rng.choice([
         "turn 15", "turn 0 -10", "view front", "view 30 20", "zoom 1.5", "zoom fit",
         "zoom 2 at=" + at, "cross " + at, "hide 2", "show all", "show 2", "opacity 3 60",
-        "opacity all 100",
-        "shade cubes", "shade surface ao=0", "shade surface creases=yes", "pan 5 -3", "focus scene",
-        "focus " + at, "clip axial 10-80", "clip none", "clip sagittal 90-10", "plane " + at,
-        "plane %s normal=1,1,0.5 offset=-5" % at, "plane none", "cut %s %s" % (at, place()),
-        "cut none", "overlay tint", "overlay contour cross=off", "overlay none", "label 3 third",
-        "label %d \"object %d\" #%06x" % (rng.randint(1, 9), rng.randrange(99),
-                                          rng.randrange(1 << 24)),
+        "opacity all 100", "shade cubes", "shade surface ao=0", "shade surface creases=yes",
+        "pan 5 -3", "focus scene", "focus " + at, "clip axial 10-80", "clip none",
+        "clip sagittal 90-10", "plane " + at, "plane %s normal=1,1,0.5 offset=-5" % at,
+        "plane none", "cut %s %s" % (at, place()), "cut none", "overlay tint",
+        "overlay contour cross=off", "overlay none", "label 3 third",
+        "label %d \"an object\" #%06x" % (rng.randint(1, 9), rng.randrange(1 << 24)),
         "label-file names.txt", "label 2 liver code=SCT:10200004:Liver", "label 2 x code=none",
         "label 1 one code=nonsense", "show-channel next", "show-channel 2", "show-channel 1",
-        "# a comment of channel 2",
- "light 20 40", "cue 50", "edges on", "edges off", "samples 2",
+        "# a comment of channel 2", "light 20 40", "cue 50", "edges on", "edges off", "samples 2",
         "samples 1", "background white", "background gradient", "decorate letters scale",
         "decorate none", "context mip", "context none", "window 20 90.5", "window auto",
-        "magnify 2.5 at=" + at, "magnify fit", "size 128 128", "size 96 64",
-        "landmark AC " + at, "landmark AC none", "orient RAS", "orient file",
+        "magnify 2.5 at=" + at, "magnify fit", "size 128 128", "size 96 64", "landmark AC " + at,
+        "landmark AC none", "orient RAS", "orient file",
         "origin 74120d6c3f0cc54e2237dc0bced98ab5 by=world as=labels"])
 
 
@@ -277,7 +275,7 @@ def command():
     if is_late() and ("labels" not in given or rng.random() < 0.001):
         line = rng.choice(["labels map.nii least=3000 rest=none erode=1", "labels here",
                            "labels map.dcm regions=2 rest=none least=3000"])
-    elif rng.random() < 0.001:
+    elif rng.random() < (0.0001 if numbered else 0.01):  # each file's pieces are freed for ever
         line, numbered = "labels numbers.nii rest=none", True
     given.add(line.split(" ")[0])
     return line

@@ -112,6 +112,7 @@ bad-many says that it has 1000000000 frames, and describes 19
 bad-more says that it has 20 frames, and describes 19
 bad-large cut short: 1360 of 10200236035 bytes
 bad-stray frame 3 is of segment 9, which it does not describe
+bad-both a frame is of several segments
 bad-nowhere frame 3 of its segments holds no place
 bad-shifted frame 3 is up to 0.5 mm off
 bad-between its frames are not evenly spaced

@@ -174,11 +174,15 @@ static void take_segments(Segments &segments, Volume &volume, const gdcm::DataSe
 
 /* ---- frames ---- */
 
-static void take_groups(Slice &slice, const gdcm::DataSet &group)
+/* Read the place and the segment of a frame, or of all frames. */
+static void take_groups(Slice &slice, unsigned &number, const gdcm::DataSet &group)
 {
     for (const gdcm::Tag &tag :
          {gdcm::Tag(0x0020, 0x9113), gdcm::Tag(0x0020, 0x9116), gdcm::Tag(0x0028, 0x9110)})
         take_place(slice, item_of(group, tag, 0));
+    if (!item_of(group, identity_tag, 1).IsEmpty())
+        refuse("damaged: a frame is of several segments; expected one segment for each frame");
+    take_binary(number, item_of(group, identity_tag, 0), referenced_tag);
 }
 
 /* Find the distance of planes at these sorted places along their normal: the first candidate that
@@ -280,15 +284,13 @@ static void take_frames(Segments &segments, Volume &volume, const gdcm::DataSet 
         refuse("damaged: it says that it has %.0f frames, and describes %zu", frames, count);
     const gdcm::DataSet shared = item_of(set, shared_tag, 0);
     unsigned common = 0;
-    take_binary(common, item_of(shared, identity_tag, 0), referenced_tag);
-    take_groups(whole, shared);
+    take_groups(whole, common, shared);
     whole.frames = static_cast<unsigned>(count);
     for (size_t f = 0; f < count; f++) {
         const gdcm::DataSet &group = items->GetItem(f + 1).GetNestedDataSet();
         Slice own = whole;
         unsigned number = common;
-        take_groups(own, group);
-        take_binary(number, item_of(group, identity_tag, 0), referenced_tag);
+        take_groups(own, number, group);
         if (!own.fault.empty())
             throw Refusal{own.fault};
         const auto of = segments.numbers.find(number);
@@ -380,15 +382,12 @@ static void add_frame(Segments &segments, const Frame &frame)
     for (size_t at = 0; at < pixels; at++) {
         const unsigned value = segments.whole.bits == 16 ? load<uint16_t>(bytes + 2 * at)
                                                          : static_cast<unsigned char>(bytes[at]);
-        if (!segments.is_map) {
-            if (value >= segments.least)
-                put(segments, at, frame.number);
-            continue;
-        }
         const auto of = value ? segments.numbers.find(value) : segments.numbers.end();
-        if (value && of == segments.numbers.end())
+        if (!segments.is_map && value >= segments.least)
+            put(segments, at, frame.number);
+        else if (segments.is_map && value && of == segments.numbers.end())
             refuse("damaged: a voxel is of segment %u, which it does not describe", value);
-        if (value)
+        else if (segments.is_map && value)
             put(segments, at, of->second);
     }
 }

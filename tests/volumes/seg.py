@@ -137,6 +137,7 @@ def make():
     hurt("large", lambda s: (setattr(s, "Rows", 65535), setattr(s, "Columns", 65535)))
     hurt("stray", lambda s: setattr(group_of(s).SegmentIdentificationSequence[0],
                                          "ReferencedSegmentNumber", 9))
+    hurt("both", lambda s: (lambda q: q.append(q[0]))(group_of(s).SegmentIdentificationSequence))
     hurt("nowhere", lambda s: delattr(group_of(s), "PlanePositionSequence"))
     hurt("shifted", lambda s: move(s, [0.5, 0, 0]))
     hurt("between", lambda s: move(s, 0.4 * LPS[:3, :3] @ PLACE[:3, 2]))
