@@ -14,8 +14,8 @@ are given but those of LEFT_OUT; many of them are refused. While a session lasts
     above that of the second quarter, and 16 bytes a voxel and 32 MB, for what answers, pictures and
     surfaces take once they are asked for, beside what `info` says that seeds, and what can be
     undone, have taken meanwhile: undo leads as far back as `open`. The same holds of the last
-    session of a kind beside the second one. What can be undone takes less than 10 kB a record. And
-    no file stays open, nor a helper beyond those of pictures.
+    session of a kind beside the second one. What can be undone takes less than the seeds, of which
+    a command can free thousands, and 5 kB a record. And no file stays open, nor many helpers.
 
 In the end
 
@@ -59,7 +59,7 @@ JOURNAL, BATCH, WAIT = "soak.iftty", 40, 300
 SIDE = int(os.environ.get("SIDE", "100"))  # voxels of the scene, at least 56
 LONGEST = int(os.environ.get("LONGEST", "2500"))  # commands of a session
 LONGEST_PILOT = min(LONGEST, 1000)
-UNDO_MOST = 10  # kB of what can be undone for a record, half of which are balls and strokes
+UNDO_MOST = 5  # kB of what can be undone for a record, without its seeds
 HELPERS_MOST = 2  # one reads and writes pictures, one writes those that are not waited for
 ASKED_FOR = 16 * SIDE**3 // 1000 + 32768  # kB of pictures, answers and surfaces, or none of them
 OPEN = "open ct"
@@ -580,7 +580,7 @@ def memory_grows():
             grew.append("%d, %s: open files" % (i + 1, session.kind))
         if max(session.helpers) > HELPERS_MOST:
             grew.append("%d, %s: %d helpers" % (i + 1, session.kind, max(session.helpers)))
-        if session.held[1] > UNDO_MOST * session.records:
+        if session.held[1] > UNDO_MOST * session.records + session.held[0]:
             grew.append("%d, %s: %d kB for what can be undone of %d records" % (
                 i + 1, session.kind, session.held[1], session.records))
         held = sum(session.held)
