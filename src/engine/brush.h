@@ -28,7 +28,7 @@ struct brush_row {
 
 /* Compute the ball (dx unit[0])^2 + (dy unit[1])^2 + (dz unit[2])^2 <= radius^2: in voxels with
  * units of 1, in nanometres with the spacing as units. The radius is 0..10^9. ERR_LIMIT if the ball
- * extends over more than `most` voxels along an axis. */
+ * extends more than `most` voxels from its centre along an axis; ERR_MEMORY. */
 enum err brush_init(struct brush *brush, const uint32_t unit[3], int64_t radius, int most,
                     struct fault *fault);
 

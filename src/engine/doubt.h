@@ -9,7 +9,8 @@
  * labels, the sum over all of their fields, so that a border between two labels counts for both.
  *
  * The fields start from the labels before the first `relax` of a list, with its sweeps; or from the
- * result of a list without `relax`, with the default sweeps.
+ * result of a list without `relax`, with the default sweeps. They reach FINISH_BAND_MOST steps from
+ * a border, whatever the reach of that `relax`.
  *
  * The result is a function of the forest's labels, seeds, the scene and the list, in integers.
  */

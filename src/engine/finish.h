@@ -177,7 +177,7 @@ static inline bool finish_is_for(const struct finish_step *step, unsigned label)
 /* Clear work->next. Undefined if the scene's watch has stopped it. */
 void finish_clear(struct finish_work *work);
 
-/* Number of voxels over which a step extends along each axis. */
+/* Number of voxels over which a step with a radius extends along each axis. */
 void finish_reach(uint32_t reach[3], const struct finish_step *step, const struct scene *scene);
 
 /* Voxels of the scene between two corners, both included; empty if the first is above the last. */

@@ -87,16 +87,15 @@ void forest_free(struct forest *forest);
  * existing seed again, or erasing a voxel without a seed, is allowed and has no effect. The scene's
  * watch is polled after every level of the pass, also while an edit is undone. On an error the
  * forest is unchanged and forest_changes is undefined: ERR_CANCELLED (stopped by the watch),
- * ERR_LIMIT (T3), ERR_MEMORY. One exception: after ERR_MEMORY the forest may be suspended with its
- * former seeds (forest_suspend).
+ * ERR_LIMIT (T3, or 2^32 edits), ERR_MEMORY. One exception: if memory runs out while the edit is
+ * undone, the forest is suspended with its former seeds (forest_suspend), whatever the error.
  */
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
                      struct fault *fault);
 
 /* Recompute the whole forest from its seeds: after a change of weights, adjacency or region of
- * interest, or to compare with an update. On an error the former forest is restored; if this also
- * fails, the forest has its seeds and no keys. The message states which of the two happened. Errors
- * as of forest_edit. */
+ * interest, or to compare with an update. On an error the forest has its seeds, but no keys, until
+ * a later rebuild. ERR_CANCELLED, ERR_LIMIT, ERR_MEMORY, as of forest_edit. */
 enum err forest_rebuild(struct forest *forest, struct fault *fault);
 
 /* The scene's watch may show a run before it ends (watch.h). Forest and scene can then be read, by

@@ -8,7 +8,7 @@
  * neighbours of a voxel are always cells, and cells of the rim decline every offer.
  *
  * Invariants
- *   G1 cells <= 2^32 - 1, so that a cell fits 32 bits and 0xFFFFFFFF means none;
+ *   G1 cells < 2^32 - 1, so that a cell fits 32 bits and 0xFFFFFFFF means none;
  *   G2 cell 0 belongs to the rim, so no voxel is cell 0.
  */
 #ifndef ENGINE_GRID_H
@@ -127,7 +127,7 @@ struct grid_walk grid_walk(const struct grid *grid, struct watch *watch, const c
                            struct slab slab, unsigned worker);
 bool grid_walk_next(struct grid_walk *walk);
 
-/* The same over all rows by one thread. Without a watch it is short, and cannot be stopped. */
+/* A walk over all rows by one thread; without a watch (NULL) it cannot be stopped. */
 static inline struct grid_walk grid_rows(const struct grid *grid, struct watch *watch,
                                          const char *what)
 {

@@ -30,13 +30,12 @@
 enum { HINT_SHARE = 10, HINT_BLOCK = 16, HINT_BACK = 3, HINTS_MOST = 999 };
 
 struct hint {
-    uint32_t cell;     /* the least certain voxel; of several, the nearest to the middle of all, */
-    uint32_t voxels;   /* then the first. Number of voxels on both sides */
-    int32_t certainty; /* certainty, */
-    uint16_t margin;   /* margin, */
-    uint16_t edge;     /* edge */
-    uint8_t label;     /* and label of the cell, */
-    uint8_t other;     /* and the label of the neighbour with the least offer */
+    uint32_t cell;     /* the least certain voxel; of several, the nearest to the middle */
+    uint32_t voxels;   /* number of its voxels, on both sides of the border */
+    int32_t certainty; /* properties of the cell: */
+    uint16_t margin, edge;
+    uint8_t label;
+    uint8_t other; /* label of the neighbour of the cell with the least offer */
     uint64_t doubt;
 };
 

@@ -82,7 +82,7 @@ enum err label_stats_find(struct label_stats stats[256], struct label_measures *
 enum err label_measures_refresh_pairs(struct label_measures *measures, const struct labels *labels,
                                       struct team *team, struct fault *fault);
 
-/* Refresh the counts, and return the sums of one label. */
+/* Refresh the counts alone, and return the sums of one label. ERR_MEMORY, ERR_CANCELLED. */
 enum err label_measures_sum(struct label_measures *measures, const struct labels *labels,
                             unsigned label, struct team *team, struct label_sums *sums,
                             struct fault *fault);

@@ -4,11 +4,12 @@
  * label.
  *
  * An object is the set of all voxels of one label, label 0 too. Its border, independent of display
- * and cuts, are the voxels with a face neighbour of another label, or at the edge of the scene,
- * which counts as label 0. So a voxel on the border has distance 0. Distances are between centres.
+ * and cuts, are the voxels with a face neighbour of another label, where the outside of the scene
+ * has label 0. So a voxel on the border has distance 0. Distances are between centres.
  *
- * The centre of a label is its voxel nearest to the mean of all its voxels, in voxel units, so that
- * it is inside the label even if the mean is not. The mean needs one scan of the scene.
+ * The centre of a label is its voxel nearest to the mean of all its voxels, rounded down, in voxel
+ * units, so that it is inside the label even if the mean is not. The mean needs one scan of the
+ * scene.
  *
  * Both searches visit shells of growing size, and end when no voxel further out can be nearer; ties
  * are decided by the order of cells. The time depends on the distance, and is watched.
@@ -27,7 +28,7 @@ struct border_distance {
     bool found;        /* false if the border is further than reach_nm, or does not exist */
     uint32_t cell;     /* the nearest border voxel */
     uint64_t squared;  /* nm^2 */
-    uint64_t reach_nm; /* distance up to which the search is complete */
+    uint64_t reach_nm; /* distance up to which the search is complete; UINT64_MAX: everywhere */
 };
 
 /* Distance from the cell of a voxel. Undefined if the scene's watch has stopped it. */

@@ -19,10 +19,9 @@
  *    the quads' area from the position to the middle of the cube, where the net is that of voxels
  *    as cubes, by Simpson's rule; a push by h adds BY_PUSH h + BY_SQUARE h^2 + BY_CUBE h^3. A
  *    quarter of each quad is added to each corner, divided by links: so u keeps their sum (without
- *    that, 1 to 8 % of volume are lost). All four are filtered by 1 - u (283360 - 516000 u + 352000
- *    u^2
- *    - 80000 u^3) / 45281, of four passes, the least from 1/5 to 2; then h is solved for, and
- *    positions are clamped again.
+ *    that, 1 to 8 % of volume are lost). All four are filtered by the polynomial of four passes,
+ *    1 - u (283360 - 516000 u + 352000 u^2 - 80000 u^3) / 45281, the least from 1/5 to 2; then h is
+ *    solved for, and positions are clamped again.
  * 4. Borders between labels: vertices on a border slide along the surface to the place that
  *    net_settle.c finds. Junctions of three labels are fixed.
  * 5. Normals are those of the quads after step 2, weighted by area, filtered by Chebyshev's

@@ -60,9 +60,8 @@ enum {
     NET_SLOTS = 6,       /* links of a vertex in the first table */
     NET_LINKS_MOST = 12, /* a face of a cube has two at most */
     NET_LEVELS = 9,
-    NET_TERMS = 5,  /* level of quads' terms, plus 1 */
-    NET_PLACES = 6, /* level of their vertices' positions, plus 1 */
-    NET_STEP = 60,  /* voxels from a word of bits to the next */
+    NET_TERMS = 5, /* level of quads' terms, plus 1 */
+    NET_STEP = 60, /* voxels from a word of bits to the next */
 };
 
 /* Vector of x, y and z, or other numbers. */
@@ -148,7 +147,7 @@ struct net_graph {
         *border; /* position of the border, at vertices of level 0 with two lines (net_settle.c) */
 };
 
-/* Read the box with its margin; false without memory. */
+/* Read the box with its margin. False without memory, or for a side of more than 32749 voxels. */
 bool net_graph_make(struct net_graph *graph, const struct net_source *source,
                     const int32_t first[3], const uint32_t size[3], struct net_scratch *scratch);
 
@@ -182,17 +181,6 @@ static inline int32_t net_vertex_at(const struct net_graph *g, size_t cube, int 
     return v;
 }
 
-/* Sum over its links of its own value minus theirs. */
-static inline net_lanes net_apart(const struct net_graph *g, const net_lanes *x, int32_t v)
-{
-    const int32_t *link = g->link[v];
-    net_lanes apart =
-        6 * x[v] - (x[link[0]] + x[link[1]] + x[link[2]]) - (x[link[3]] + x[link[4]] + x[link[5]]);
-    for (int32_t k = g->degree[v] > NET_SLOTS ? g->head[v] : -1; k >= 0; k = g->more[k].next)
-        apart += x[v] - x[g->more[k].to];
-    return apart;
-}
-
 /*
  * Final positions of the vertices of a surface net, and their normals: the polynomials (net.h).
  */
@@ -205,8 +193,9 @@ struct net_sum {
     int64_t term[NET_KINDS]; /* 2^(-3 NET_BITS) voxels; 48, 8, 16 and 24 times as large */
 };
 
-/* Smooth the positions of levels below NET_PLACES, and find the direction in which each is pushed.
- * Sums are set to 0. */
+/* Smooth the positions of levels 0 to 5, and find the direction in which each is pushed. *sum is
+ * set to 0, for these vertices; it belongs to the scratch memory, as does *normal below. False
+ * without memory. */
 bool net_smooth(struct net_graph *graph, struct net_sum **sum);
 
 /* Add a quad of natural air to the sums of its corners; `face` is net_quad.face. */
@@ -219,28 +208,5 @@ bool net_restore(struct net_graph *graph, const struct net_sum *sum, const uint3
 
 /* For cubes: set all vertices to the middle, and compute normals of level 0. */
 bool net_centre(struct net_graph *graph, const uint32_t scale[3], net_lanes **normal);
-
-/*
- * Position of borders between labels on a surface net (net.h).
- *
- * The position of a border at a vertex is that of the least-squares parabola through the vertex and
- * equally many border vertices before and after it, at their positions before smoothing. It neither
- * moves straight lines nor shrinks round ones, and half of a wave of 12 voxels remains. (Savitzky &
- * Golay, Smoothing and differentiation of data, 1964.) It uses the most vertices, up to eight on
- * either side, between which the border turns by about 60 degrees at most, so that patches of few
- * voxels keep their area; intermediate cases are weighted, to avoid hooks.
- *
- * Root-mean-square distance from the line, in voxels: on a flat surface .08, in any direction .24,
- * at slopes of 1 in 8, 12, 20 .05, .12, .21. Patches of one voxel keep their area, those of radius
- * 2, 3, 5, 8 .99, .97, .98, 1.00 of it, squares of 3 to 21 voxels 1.00 to 1.01. Eight vertices are
- * few for a wave of 20: .8 of it remains.
- */
-
-/* True if a border of two labels passes through a vertex. It is fixed at its ends, and where it
- * meets others. */
-static inline bool net_line_is_at(const struct net_graph *graph, int32_t v)
-{
-    return graph->has_labels && graph->lines[v] == 2;
-}
 
 #endif

@@ -43,11 +43,10 @@ struct relax_field {
     const uint8_t *label; /* labels of the scene, from finish_work, */
     uint8_t which;        /* and the label of this field */
     struct team *team;    /* NULL if several fields are computed in parallel */
-    unsigned
-        worker; /* number of the team's first thread; not 0 if fields are computed in parallel */
-    bool shows; /* show the result between sweeps, if the watch wants to */
-    uint32_t scale[CHANNELS_MOST + 1]; /* 2^16 greys for a difference of one intensity, in the cells
-                                          and in each further channel */
+    unsigned worker; /* number of the thread, if several fields are computed in parallel; else 0 */
+    bool shows;      /* show the result between sweeps, if the watch wants to */
+    uint32_t scale[CHANNELS_MOST + 1]; /* greys of a difference of one intensity, in 2^-16 greys: of
+                                          the cells, then of each further channel */
     uint32_t reach;  /* steps from the border to the last voxels that move, 1..FINISH_BAND_MOST */
     uint32_t halves; /* half-sweeps */
     size_t room;     /* bytes for `store`; 0: none is made */
@@ -121,8 +120,8 @@ void relax_field_read(struct relax_field *field, const struct finish_work *work,
 /* Update a stored field that is updatable and whose box still contains the label's. `changed`
  * contains the voxels with another label than before, former and new seeds, and voxels that entered
  * or left the region of interest. It is empty afterwards, and `stale` includes the voxels whose
- * value has changed; if the scene's watch stops the update, it is the box to continue with. False
- * if the field has to be recomputed. `part` is undefined afterwards. */
+ * value has changed; if the scene's watch stops the update, `changed` is the box to continue with.
+ * False if the field has to be recomputed. `part` is undefined afterwards. */
 bool relax_field_update(struct relax_field *part, const struct finish_work *work, uint8_t which,
                         struct relax_stored *stored, uint32_t reach, uint32_t sweeps,
                         struct finish_box *changed, struct finish_box *stale);
@@ -150,11 +149,10 @@ void relax_kept_release(struct relax_kept *kept);
  * Relaxation: the step that moves borders of labels to edges of the scene (engine/finish.h).
  *
  * Each label except 0 has a field; the field of label 0 is RELAX_ONE minus the sum of all others,
- * or
- * 0. A voxel of some band is assigned the label of the greatest field; on a tie its own label if
- * that is one of them, else the smallest. So a few fields are computed at a time, and only the best
- * so far is stored for each voxel; and only where a field has moved, since elsewhere the own
- * label's field is RELAX_ONE.
+ * but at least 0. A voxel of some band is assigned the label of the greatest field; on a tie its
+ * own label if that is one of them, else the smallest. So a few fields are computed at a time, and
+ * only the best so far is stored for each voxel; and only where a field has moved, since elsewhere
+ * the own label's field is RELAX_ONE.
  *
  * The field of a label is computed in a box around it. Each voxel has a value u, initially
  * RELAX_ONE in the label and 0 elsewhere. The voxels of the *band* move: at most `reach` steps

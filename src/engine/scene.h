@@ -202,8 +202,8 @@ typedef void scene_weigh_row(void *context, unsigned worker, uint32_t y, uint32_
 void scene_make_cells(struct scene *scene, struct team *team, scene_weigh_row *weigh,
                       void *context);
 
-/* Exchange the intensities in the cells, which must be made, and those of a channel, with their
- * percentages. */
+/* Exchange the intensities in the cells, which must be made, and those of scene->channel[channel],
+ * with their percentages. */
 void scene_swap_channel(struct scene *scene, unsigned channel, struct team *team);
 
 /* Start a walk over the rows of a scene under its watch (engine/grid.h): over all rows (team NULL,
@@ -230,15 +230,15 @@ void intensities_count(uint32_t count[UINT16_MAX + 1], const struct scene *scene
                        struct team *team);
 
 /* Two percentiles in thousandths: the highest intensity with at most `low` of the voxels below it,
- * and the highest with fewer than `high` below it; 0 for an empty histogram. */
+ * and the highest with fewer than `high` below it; {65535, 0} for an empty histogram. */
 void intensities_range(int32_t range[2], const uint32_t count[UINT16_MAX + 1], uint64_t low,
                        uint64_t high);
 
 /*
  * Interpolate some axes of `base` to 2n - 1 voxels: `doubled` has bit a set for axis a. Voxels at
  * whole steps equal those of the base; a voxel at half steps is the mean, halves rounded up, of the
- * 2, 4 or 8 base voxels around it. Spacings halve, half a nanometre rounded up; voxel 0,0,0 keeps
- * its place. The result has no seeds and no weights.
+ * 2, 4 or 8 base voxels around it. The spacing of these axes is halved, half a nanometre rounded
+ * up; voxel 0,0,0 keeps its place. The result has no seeds, no weights and no channels.
  */
 enum err scene_new_interpolated(struct scene **scene, const struct scene *base, unsigned doubled,
                                 struct watch *watch, struct fault *fault);

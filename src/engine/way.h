@@ -6,11 +6,11 @@
  * edge of the path: if a label has leaked, it has leaked there.
  *
  * The passage is the edge through which an edit reached most of the voxels that it removed from a
- * label. PASSAGE_SAMPLES of these voxels are examined, chosen by a hash of their places. On
- * the path of each, the cost rises at edges. The passage is the strongest edge common to at least
- * half of the paths; without one, the edge common to the most. So it is the place of the leak,
- * not an edge somewhere beyond it. The cost is the length of the sampled paths, and a hash for each
- * change; edits that are not examined cost nothing.
+ * label. PASSAGE_SAMPLES of these voxels are examined, chosen by a hash of their places. On the
+ * path of each, the cost rises at edges. The passage is the strongest edge common to at least half
+ * of the paths; without one, the edge common to the most. So it is the place of the leak, not an
+ * edge somewhere beyond it. The time is proportional to the length of the sampled paths and to the
+ * number of changes; edits that are not examined need none.
  *
  * A tree is traversed from its root through the children, to which the directions of voxels lead
  * back. So a query of a tree needs time proportional to the tree, not to the scene, and no memory,

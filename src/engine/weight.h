@@ -120,7 +120,7 @@ struct weight_method {
      * computed separately. */
     void (*weigh_row)(uint16_t *weight, const struct scene *scene,
                       const struct adjacency *adjacency, uint32_t y, uint32_t z);
-    uint32_t row_argument;
+    uint32_t row_argument; /* that argument */
 };
 #define WEIGHT_METHOD(kind, name, argument, usual, help)                                           \
     extern const struct weight_method name##_weight;
