@@ -37,7 +37,7 @@ struct golden_difference {
     enum golden_plane plane;               /* first plane that differs there */
     char expected[64], actual[64];         /* values there: "255,0,0,255", "12.5
                                               (0x41480000)", "7" */
-    uint32_t expected_voxel, actual_voxel; /* seen at that pixel; 0 without a voxel plane */
+    uint32_t expected_voxel, actual_voxel; /* seen there; UINT32_MAX: none; 0: no such plane */
     uint8_t *image; /* [height][width][4]: different pixels in bright red over a dim grey copy
                        of the expected picture. NULL if is_same or shape_differs. Released
                        with the rest. */
@@ -63,14 +63,15 @@ bool golden_name_is_valid(const char *name);
  * incomplete journal. */
 void golden_journal_name(struct buf *out, const char *journal_path);
 
-/* out = "<journal path without .iftty>.golden", the folder of a journal's golden images, and the
- * path of one of them in it: "<folder>/<name>.exr". For a link to a journal, use the folder of the
- * journal itself, unless only the link has one. ERR_INPUT for an invalid name. */
+/* out = "<journal path without .iftty>.golden", the folder of a journal's golden images. For a link
+ * to a journal, use the folder of the journal itself, unless only the link has one. ERR_MEMORY. */
 enum err golden_folder(struct buf *out, const char *journal_path, struct fault *fault);
 
 /* out = the folder next to a link to a journal, if golden_folder returns another one; otherwise
  * "". */
 enum err golden_folder_next_to_link(struct buf *out, const char *journal_path, struct fault *fault);
+
+/* out = "<folder>/<name>.exr", the path of a golden image. ERR_INPUT for an invalid name. */
 enum err golden_path(struct buf *out, const char *journal_path, const char *name,
                      struct fault *fault);
 

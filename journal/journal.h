@@ -82,8 +82,8 @@ enum err journal_repair(const char *path, unsigned semantics, struct buf *notice
 enum err journal_append(struct journal *journal, const char *command, const char *words,
                         struct fault *fault);
 
-/* Sync the records that are not synced yet. Call this before publishing a file that they have
- * produced, and before the process is stopped. */
+/* Sync the records that are not synced yet, with FILE_SYNC_ALWAYS; do nothing with other settings.
+ * Call this before publishing a file that they have produced, and before the process is stopped. */
 enum err journal_catch_up(struct journal *journal, struct fault *fault);
 
 /* Store a comment line ("# why" or ""), and write it with the next record. It is lost if no record
@@ -112,6 +112,8 @@ enum err journal_set_sync(struct journal *journal, enum file_sync sync, struct f
 /* Sync every record, or return ERR_IO. Records that a failed sync may have lost are written
  * again. */
 enum err journal_sync(struct journal *journal, struct fault *fault);
+
+/* True if it was opened with only_looks, and does not continue in another file yet. */
 bool journal_only_looks(const struct journal *journal);
 
 /* Path of the lock file that is used for J6 on file systems without locks; otherwise NULL. */
@@ -146,14 +148,14 @@ struct journal_condition {
     size_t records;            /* valid records, or commands of a script */
     struct record_chain chain; /* chain of the last valid record */
     unsigned semantics;
-    size_t number;   /* first record that is not intact */
+    size_t number;   /* first record that is not intact; 0 if all are */
     size_t line;     /* line of this record */
     uint64_t offset; /* offset of this record, in bytes */
     char text[512];  /* state, number, line and offset in words, safe to print */
 };
 
 /* Find the condition of a journal. OK for an intact journal or a script, otherwise ERR_CHECK, with
- * condition->text in `fault`. */
+ * condition->text in `fault`; ERR_MEMORY. */
 enum err journal_check(struct journal_condition *condition, const char *bytes, size_t length,
                        struct fault *fault);
 

@@ -89,8 +89,9 @@ enum err record_comment_check(const char *comment, struct fault *fault);
  * session=N", each word optional. */
 #define RECORD_SIGNATURE "#@ "
 
-/* Append the comment lines of a record in `bytes`, a whole journal or script, to `comments`, and
- * the words of the line that signs it, without its beginning, to `signature`; each may be NULL. */
+/* Append the comment lines of a record in `bytes`, a whole journal or script, to `comments`.
+ * Replace `signature` by the words of the line that signs it, without its beginning; without such a
+ * line it is unchanged. Each may be NULL. */
 void record_comments(struct buf *comments, struct buf *signature, const char *bytes,
                      const struct record *record);
 

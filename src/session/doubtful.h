@@ -33,8 +33,9 @@ struct doubtful_slice {
 enum err doubtful_find(struct doubtful_slice slice[DOUBTFUL_MOST], size_t *count,
                        struct session *session, unsigned label, struct fault *fault);
 
-/* Find a voxel in the middle of a label's part of the slice. If it has none there, take the
- * nearest slice with the label and project its voxel. False if the label has no voxel. */
+/* Find a voxel in the middle of the slice's part of a label, or of all labels but 0 for
+ * FINISH_ALL_LABELS. If it has none there, take the nearest slice with the label and project its
+ * voxel. False if the label has no voxel. */
 bool doubtful_place(uint32_t place[3], const struct labels *labels, unsigned label,
                     const struct doubtful_slice *slice);
 

@@ -69,11 +69,11 @@ struct history {
     size_t branches, branch_capacity;
     uint32_t on; /* branch of the present point */
 
-    /* For the present command: its target by history_go, or POINT_NONE; and the new point of
-     * history_note. */
+    /* For the present command: by history_go its target, or POINT_NONE, the branch of the target,
+     * `branches` for a new one, and whether the target becomes the tip of that branch; by
+     * history_note whether it will be a record, and whether its point replaces all others. */
     uint32_t goes_to, goes_on;
-    bool moves_tip; /* tip of the branch that it continues */
-    bool is_noted, is_root;
+    bool moves_tip, is_noted, is_root;
     struct point noted; /* a new point, if its settings are not NULL */
 };
 
@@ -127,7 +127,7 @@ enum err history_look(struct history *history, struct session *session, uint32_t
                       struct fault *fault);
 
 /* Put the present point on a new branch `name`, when the command is settled. ERR_USAGE if the
- * name exists. */
+ * name exists, ERR_MEMORY. */
 enum err history_branch(struct history *history, const char *name, struct fault *fault);
 
 /* ---- commands ---- */

@@ -26,6 +26,7 @@
 #include "session/setting.h"
 #include "session/state.h"
 
+/* The last region, a region whose number no label has, and none: not chosen. */
 enum { REGION_MOST = 65533, REGION_UNKNOWN = 65534, REGION_NONE = 65535 };
 
 /* Chosen regions, in rising order: `first` to `last` are the labels with numbers from `as` on. */
@@ -56,7 +57,7 @@ enum err regions_table(uint16_t **as, const struct regions *regions, const struc
  * chosen, labels are made of regions without one. */
 void regions_list(bool listed[256], const struct regions *regions, struct kept *kept);
 
-/* ERR_USAGE if no label has one of the numbers that the regions become. */
+/* ERR_USAGE if the regions become a number that no label has. */
 enum err regions_check(const struct regions *regions, const struct kept *kept, struct fault *fault);
 
 /* ERR_INPUT if a map of this size is not on the scene's grid. */
@@ -99,7 +100,8 @@ enum err map_read(struct volume *map, const char *path, const struct map_place *
 /* Replace intensities by regions, in place, unless it was done: the numbers first..last that they
  * represent, and REGION_NONE for others. If a number is above REGION_MOST, regions are the ranks of
  * the numbers, and map->number has these. The map is invalid after errors: ERR_INPUT for a
- * fraction, ERR_CANCELLED by the watch, or NULL. */
+ * fraction, ERR_LIMIT for more than REGION_MOST regions, ERR_MEMORY, ERR_CANCELLED by the watch, or
+ * NULL. */
 enum err map_to_regions(struct volume *map, uint32_t first, uint32_t last, struct watch *watch,
                         struct fault *fault);
 
@@ -122,11 +124,11 @@ struct map_labels {
 enum err map_label(struct volume *map, const struct map_labels *choice, struct watch *watch,
                    struct fault *fault);
 
-/* Count voxels whose numbers are not regions; map_to_regions ignores them. */
+/* Count voxels whose numbers are not 0..2^32 - 1, before map_to_regions makes them REGION_NONE. */
 uint64_t map_count_beyond(const struct volume *map, struct watch *watch);
 
-/* The same to a byte per voxel, [z][y][x], freed by free(), with 0 for others. The map is invalid
- * afterwards, and *label is NULL on errors. */
+/* map_label to a byte per voxel, [z][y][x], freed by free(), with 0 for others. The map is invalid
+ * afterwards. The errors of map_label, and ERR_MEMORY; *label is then NULL. */
 enum err map_to_labels(uint8_t **label, struct volume *map, const struct map_labels *choice,
                        struct watch *watch, struct fault *fault);
 

@@ -112,7 +112,8 @@ enum err markers_add(struct markers *markers, int16_t label, const uint32_t *cel
                      struct watch *watch, struct fault *fault);
 
 /* Make the last marker yield: it is the piece of a file, with seeds in its outer voxels. The runs
- * are those of the piece in order, none if all its voxels have seeds. ERR_MEMORY: no change. */
+ * are those of the piece in order, none if all its voxels have seeds. ERR_MEMORY, ERR_LIMIT: no
+ * change. */
 enum err markers_yield(struct markers *markers, const struct marker_run *run, size_t runs,
                        struct fault *fault);
 

@@ -5,18 +5,16 @@
  *
  *     ball     voxels whose centre is no farther than the radius from the centre of the middle one,
  *              in voxels, or in millimetres by the spacing
- *     stroke   a ball at each step of the straight line from each corner to the next. A line has as
- *              many steps as its longest axis has voxels; step i of n is the voxel nearest to i/n
- *              of
- *              the line, the farther one of two equally near. So removing a corner on a straight
+ *     stroke   a ball at each step of the straight line from each corner to the next. A line has a
+ *              step for each voxel along its longest axis; step i of n is the voxel nearest to i/n
+ *              of the line, the farther one of two equally near. So removing a corner on a straight
  *              line (base/polyline.h) leaves the voxels unchanged
  *     shell    of a ball: its voxels with a neighbour outside; of a box: its six faces
  *     box      all voxels between two corners, both included
  *     polygon  in a slice, the voxels whose centre is inside the closed outline through the centres
  *              of the corners (the nonzero rule), or on it
- *     ring     of a polygon: voxels outside it in its slice, no farther from a voxel inside than
- *     its
- *              width, from centre to centre, in voxels
+ *     ring     of a polygon: voxels outside it in its slice, no farther than its width from a voxel
+ *              inside, from centre to centre, in voxels
  *
  * Voxels outside the scene are left out.
  */

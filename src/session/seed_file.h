@@ -62,9 +62,9 @@ enum err seeds_by_region(const struct seeds *seeds, uint32_t **cell, size_t *end
 uint64_t seeds_digest(const struct seeds *seeds);
 
 /* Read a list: `length` bytes at `text`, followed by a NUL. `kept` has the names and numbers of
- * labels; `label` is that of all seeds, or LABEL_OWN. The first line that is wrong or contradicts
- * another is an error that names it, and
- * *seeds stays empty: ERR_INPUT. ERR_LIMIT, ERR_MEMORY; ERR_CANCELLED by the watch, or NULL. */
+ * labels; `label` is that of all seeds, or LABEL_OWN. On errors *seeds stays empty: ERR_INPUT names
+ * the first line that is wrong or contradicts another; ERR_LIMIT, ERR_MEMORY; ERR_CANCELLED by the
+ * watch, or NULL. */
 enum err seeds_from_list(struct seeds *seeds, const char *text, size_t length,
                          const struct grid *grid, const struct kept *kept, int label,
                          struct watch *watch, struct fault *fault);
@@ -88,9 +88,9 @@ struct region_tally {
     uint32_t first_eroded_away;
 };
 
-/* Read a label map on the grid (map_read); its intensities are overwritten. ERR_INPUT, with *seeds
- * empty, if it holds a number that is not a label, or no seed remains; also if the watch (or NULL)
- * stops it. */
+/* Read a label map on the grid (map_read); its intensities are overwritten. On errors *seeds is
+ * empty: those of map_to_regions, and ERR_INPUT if a chosen region has no label, or no seed
+ * remains. */
 enum err seeds_from_map(struct seeds *seeds, struct region_tally *tally, struct volume *map,
                         const struct grid *grid, const struct region_choice *choice,
                         struct watch *watch, struct fault *fault);

@@ -245,9 +245,9 @@ enum err session_find_source(const struct session *session, struct dicom_source 
 
 /* Interpolate each axis a for which bit a of `doubled` is set, from n to 2n - 1 voxels
  * (engine/scene.h). The angles and the size of the view do not change; the zoom is that of a new
- * scene of this size. ERR_USAGE if there is a seed, planted or pending, or a mask, a cut or weights
- * from a file, since all of these belong to the grid. On error, session_rollback restores the
- * former scene. */
+ * scene of this size. ERR_USAGE if there is a seed, planted or pending, a mask, a further channel,
+ * a cut, a landmark or weights from a file, since all of these belong to the grid; ERR_LIMIT if the
+ * machine lacks the memory. On error, session_rollback restores the former scene. */
 enum err session_interpolate(struct session *session, unsigned doubled, struct fault *fault);
 
 /* Lazy opening: do not make the cells of a scene for which session_bytes_for returns `least` or
@@ -275,7 +275,8 @@ enum err session_add_reach(struct session *session, const struct reach *reach, u
                            struct fault *fault);
 
 /* Add a marker of pending seeds of a label; with EDIT_ERASE, of pending removals. `reach` is the
- * number of their reach, or 0. */
+ * number of their reach, or 0. ERR_INPUT for a seed outside the region of interest, and the errors
+ * of markers_add. */
 enum err session_plant(struct session *session, const uint32_t *cell, size_t count, int16_t label,
                        uint16_t reach, struct fault *fault);
 
@@ -311,8 +312,8 @@ enum err session_remove_markers(struct session *session, const uint32_t *number,
                                 struct fault *fault);
 
 /* Find the markers whose trees contained any of the voxels after the last run, or that have pending
- * seeds there. Each is listed once; of joined markers, only the first. The caller frees *number.
- * ERR_INPUT if no marker is found. */
+ * seeds there. Each is listed once; of joined markers, only the first. The caller frees *number,
+ * also on error. ERR_INPUT if no marker is found. */
 enum err session_find_markers(const struct session *session, const uint32_t *cell, size_t count,
                               uint32_t **number, size_t *numbers, struct fault *fault);
 

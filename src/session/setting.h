@@ -176,10 +176,10 @@ unsigned state_difference(const struct state *a, const struct state *b);
  * initial values are left out. */
 void setting_write(struct buf *out, const struct command *setting, const struct state *state);
 
-/* Write the words of these bits of VALUE_PARTS. */
-void setting_write_parts(struct buf *out, const char *choices, int64_t bits);
-
 /* The same for all settings of a group, separated by commas. */
 void settings_write(struct buf *out, enum command_group group, const struct state *state);
+
+/* Write the words of these bits of VALUE_PARTS. */
+void setting_write_parts(struct buf *out, const char *choices, int64_t bits);
 
 #endif

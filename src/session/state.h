@@ -229,7 +229,7 @@ enum {
     MADE_BORDER = 8,
     MADE_CAMERA = 16,
     MADE_COLOURS = 32,
-    MADE_CHANNELS = 1024, /* which intensities are in the cells */
+    MADE_CHANNELS = 1024, /* which intensities are in the cells; setting.c uses 64 to 512 */
 };
 
 /*
