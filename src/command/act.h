@@ -109,14 +109,14 @@ enum err act_write_report(const struct act *act, const struct buf *text);
  * pictures, and the record contains the choice. The labels of a skimming session are undefined. */
 enum err act_take_labels(const struct act *act, struct labels *labels);
 
+/* The same for a picture: without `finished=`, use the setting `finished on|off`. */
+enum err act_take_shown(const struct act *act, struct labels *labels);
+
 /* Add a line for each label that the finish deletes, halves or breaks (show/label_loss.h).
  * `only_new`: a single short line that names only labels not named by the previous call.
  * ERR_MEMORY, ERR_CANCELLED. */
 enum err act_write_losses(struct interpreter *interp, const struct labels *labels, bool only_new,
                           struct watch *watch, struct buf *out, struct fault *fault);
-
-/* The same for a picture: without `finished=`, use the setting `finished on|off`. */
-enum err act_take_shown(const struct act *act, struct labels *labels);
 
 /* Add "KEY=DIGEST" to the words of the record. */
 void act_add_digest(const struct act *act, const char *key, uint64_t digest);
@@ -130,8 +130,6 @@ enum err act_read_map(const struct act *act, struct volume *map, uint32_t first,
 
 /* Origin of a journal: landmarks, which match scenes, and the procedure that made the journal
  * (act_ask.c). */
-
-struct session;
 
 /* Add the lines of `info` about both; nothing without them. */
 void act_write_origin(struct buf *out, const struct session *session);
@@ -173,21 +171,6 @@ enum err act_note_picture(const struct act *act, const struct labels *labels,
  * file name, which determines the planes; NULL for a golden image. */
 enum err act_take_picture(const struct act *act, const struct labels *labels, const char *name,
                           struct picture *picture);
-
-/* Draw a rendition (show/export_picture.h) as colours, with its digest. */
-enum err act_draw_picture(const struct act *act, const struct labels *labels, enum render_mode mode,
-                          struct picture *picture, uint64_t *digest);
-
-/* Draw a picture directly into a file of image_strips. `path` comes from interpreter_output_path;
- * if it is empty, only the digest is computed. */
-struct drawn_file {
-    const char *path;
-    enum file_mode mode;
-    enum render_mode render;
-    bool tiled;
-};
-enum err act_draw_file(const struct act *act, const struct drawn_file *file,
-                       const struct labels *labels, uint64_t *digest);
 
 /* Make the rendition of *labels, finished if requested. ERR_LIMIT (finish_check), ERR_MEMORY,
  * ERR_CANCELLED. */
@@ -235,8 +218,9 @@ struct planting act_begin_planting(const struct session *session, const struct v
 /* Give the planting the reach that holds no voxel if the command has within=0. */
 enum err act_find_exact(struct planting *planting, const struct act *act);
 
-/* The same; and leave out voxels by `over` and `keep`, by their labels after waiting edits. With
- * the voxels of several markers, those before end[i] stay before it, for each of `ends`. */
+/* The same; and leave out voxels by `over` and `keep`, by their labels once the pending edits are
+ * applied. With the voxels of several markers, those before end[i] stay before it, for each of
+ * `ends`. ERR_USAGE for `over` or `keep` without within=0. */
 struct voxels;
 enum err act_begin_exact(struct planting *planting, const struct act *act, struct voxels *voxels,
                          size_t *end, size_t ends);

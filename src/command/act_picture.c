@@ -21,6 +21,55 @@
 #include "show/export_picture.h"
 #include "show/slicing.h"
 
+/* ---- pictures that are not stored ---- */
+
+/* A file of image_strips, into which a picture is drawn directly. `path` comes from
+ * interpreter_output_path; if it is empty, only the digest is computed. */
+struct drawn_file {
+    const char *path;
+    enum file_mode mode;
+    enum render_mode render;
+    bool tiled;
+};
+
+/* Draw a rendition, with its digest, row by row into the file. */
+static enum err draw_file(const struct act *act, const struct drawn_file *file,
+                          const struct labels *labels, uint64_t *digest)
+{
+    const bool is_written = *file->path;
+    const unsigned planes = file_is_named(file->path, EXR_NAMES) ? PICTURE_EVERY : 0;
+    OWNED(picture_release) struct picture picture = {0};
+    struct strips *strips = NULL;
+    enum err err = OK;
+    export_form(&picture, act->session);
+    picture.tiled = file->tiled;
+    if (is_written)
+        err = interpreter_will_write(act->interp, file->path, file->mode, act->fault);
+    if (!err && is_written)
+        err = strips_begin(&strips, image_strips(file->path), file->path, file->mode, &picture,
+                           planes, act->fault);
+    if (!err)
+        err = export_rows(&picture, strips, act->session, labels, file->render, digest, act->fault);
+    if (!err && is_written)
+        err = act_note_picture(act, labels, &picture);
+    if (err)
+        strips_abandon(strips);
+    else if (is_written)
+        err = strips_end(strips, &picture, act->fault);
+    return err;
+}
+
+/* Draw a rendition (show/export_picture.h) as colours, with its digest. */
+static enum err draw_picture(const struct act *act, const struct labels *labels,
+                             enum render_mode mode, struct picture *picture, uint64_t *digest)
+{
+    export_form(picture, act->session);
+    picture->rgba = mem_array((size_t)picture->width * picture->height, 4);
+    TRY(picture->rgba ? export_rows(picture, NULL, act->session, labels, mode, digest, act->fault)
+                      : fault_memory(act->fault, "a picture"));
+    return act_note_picture(act, labels, picture);
+}
+
 /* The turntable: pictures of full turns about one axis or several, as files or as one animated
  * file. */
 
@@ -175,10 +224,10 @@ static enum err draw_turned(struct spin *spin, const struct view *from, unsigned
     if (spin->is_streamed) { /* directly into a file */
         TRY(find_path(spin, number));
         const struct drawn_file file = {buf_text(spin->path), spin->mode, RENDER_ONCE, false};
-        TRY(act_draw_file(spin->act, &file, &spin->labels, &digest));
+        TRY(draw_file(spin->act, &file, &spin->labels, &digest));
     } else {
         TRY(spin->takes_rows
-                ? act_draw_picture(spin->act, &spin->labels, RENDER_ONCE, &picture, &digest)
+                ? draw_picture(spin->act, &spin->labels, RENDER_ONCE, &picture, &digest)
                 : draw_whole(spin, &picture, &digest));
         TRY(write_picture(spin, number, &picture));
     }
@@ -313,42 +362,6 @@ enum err act_take_picture(const struct act *act, const struct labels *labels, co
     return act_note_picture(act, labels, picture);
 }
 
-enum err act_draw_file(const struct act *act, const struct drawn_file *file,
-                       const struct labels *labels, uint64_t *digest)
-{
-    const bool is_written = *file->path;
-    const unsigned planes = file_is_named(file->path, EXR_NAMES) ? PICTURE_EVERY : 0;
-    OWNED(picture_release) struct picture picture = {0};
-    struct strips *strips = NULL;
-    enum err err = OK;
-    export_form(&picture, act->session);
-    picture.tiled = file->tiled;
-    if (is_written)
-        err = interpreter_will_write(act->interp, file->path, file->mode, act->fault);
-    if (!err && is_written)
-        err = strips_begin(&strips, image_strips(file->path), file->path, file->mode, &picture,
-                           planes, act->fault);
-    if (!err)
-        err = export_rows(&picture, strips, act->session, labels, file->render, digest, act->fault);
-    if (!err && is_written)
-        err = act_note_picture(act, labels, &picture);
-    if (err)
-        strips_abandon(strips);
-    else if (is_written)
-        err = strips_end(strips, &picture, act->fault);
-    return err;
-}
-
-enum err act_draw_picture(const struct act *act, const struct labels *labels, enum render_mode mode,
-                          struct picture *picture, uint64_t *digest)
-{
-    export_form(picture, act->session);
-    picture->rgba = mem_array((size_t)picture->width * picture->height, 4);
-    TRY(picture->rgba ? export_rows(picture, NULL, act->session, labels, mode, digest, act->fault)
-                      : fault_memory(act->fault, "a picture"));
-    return act_note_picture(act, labels, picture);
-}
-
 void act_add_picture_digest(const struct act *act)
 {
     const struct rendition picture = session_picture(act->session);
@@ -399,12 +412,12 @@ static enum err render_large(const struct act *act, const char *name, enum rende
     if (!*to || image_strips(to)) {
         const struct drawn_file file = {to, act_file_mode(act), mode,
                                         act_number(act, "layout") == 1};
-        TRY(act_draw_file(act, &file, &labels, &digest));
+        TRY(draw_file(act, &file, &labels, &digest));
         if (*to)
             act_write_file_line("wrote ", to, act->reply);
     } else {
         OWNED(picture_release) struct picture picture = {0};
-        TRY(act_draw_picture(act, &labels, mode, &picture, &digest));
+        TRY(draw_picture(act, &labels, mode, &picture, &digest));
         TRY(act_write_picture(act, to, act_file_mode(act), &picture));
     }
     act_add_digest(act, "picture", digest);

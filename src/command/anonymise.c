@@ -120,7 +120,7 @@ void anonymise_command(struct buf *names, struct buf *out, const char *command)
     for (unsigned n = 0; *command; n++) {
         const char *rest = command;
         buf_clear(&word);
-        if (!command_take_word(&rest, &word, COMMAND_QUOTES)) {
+        if (!command_take_word(&rest, &word)) {
             buf_add_text(out, " ..."); /* unterminated quote: no word can be trusted */
             break;
         }

@@ -31,8 +31,8 @@ struct session;
 struct value {
     bool given;
     int64_t number; /* LABEL: its index (session/map.h); choice: its index; DECIMAL: thousandths;
-                       COLOUR: 0xrrggbb; RADIUS: voxels or nanometres; INTERVAL: its channel,
-                       from 0, or -1 for LOW alone; -1: a plain word */
+                       COLOUR: 0xrrggbb; RADIUS: voxels or nanometres; PARTS: bits; INTERVAL: its
+                       channel, from 0, or -1 for LOW alone; -1: a plain word */
     struct decimal real[2]; /* REAL: the first; INTERVAL: both ends */
     bool in_mm;             /* RADIUS: it is in millimetres */
     const char *text;       /* the word, if it is a choice or the type is a word */
@@ -46,7 +46,6 @@ struct value {
 struct call {
     const struct command *command;       /* NULL for an empty line or a comment */
     struct value value[PARAMETERS_MOST]; /* in the order of the table; look them up by name */
-    const char *quotes;                  /* quote characters of this line */
     const struct kept *kept;             /* the numbers of its labels */
     struct buf store;                    /* owns the words that values point to */
     struct buf settled;                  /* the same for a file name rewritten for the record */
@@ -67,8 +66,9 @@ extern const struct parameter weight_parameter[];
 /* Try the names of all commands and their synonyms. */
 void command_try_names(struct near *near);
 
-/* Parse a line by the table. ERR_USAGE, also for a line longer than a record. Positions and labels
- * are looked up in `session`; without a scene, positions and label names are rejected. An error
+/* Parse a line by the table. ERR_USAGE, also for a line longer than a record; ERR_INPUT for a place
+ * outside the scene; ERR_MEMORY. Positions and labels are looked up in `session`; without a scene,
+ * positions are rejected. An error
  * contains the expected form, and fault->at is the position of the wrong word, or after the end for
  * a missing one. The caller releases `call`. */
 enum err command_parse(struct call *call, const char *line, const struct session *session,
@@ -100,10 +100,9 @@ struct label_set call_takes(const struct call *call);
  * say, that the words of the error contain. */
 void command_point_at(const struct call *call, const char *line, struct fault *fault);
 
-/* Add the word at *cursor to `out` without its quotes, which are one of `quotes`, ended by NUL, and
- * advance the cursor. False for an unterminated quote. */
-bool command_take_word(const char **cursor, struct buf *out, const char *quotes);
-#define COMMAND_QUOTES "\"'"
+/* Add the word at *cursor to `out` without its quotes, ended by NUL, and advance the cursor. False
+ * for an unterminated quote. */
+bool command_take_word(const char **cursor, struct buf *out);
 
 /* Add a word, in quotes if it needs them. */
 bool command_needs_quotes(const char *word);

@@ -212,8 +212,8 @@ static bool read_words(struct partial *p, const char *line)
         const char *word = at;
         buf_clear(&p->word);
         p->start = (size_t)(word - line);
-        p->quoted = strchr(COMMAND_QUOTES, *word) != NULL;
-        const bool ends = command_take_word(&at, &p->word, COMMAND_QUOTES);
+        p->quoted = *word == '"' || *word == '\'';
+        const bool ends = command_take_word(&at, &p->word);
         if (!ends && at != word)
             return false;
         p->closed = ends && p->quoted;
@@ -341,7 +341,8 @@ static void offer_labels(const struct offers *o, const struct parameter *p)
 enum { LISTING_MOST = 20000 }; /* names; a larger folder is truncated */
 
 struct listing {
-    struct buf store;  /* names, each ended by NUL; a folder's ends in / */
+    struct buf store;  /* names, each ended by NUL; a folder's ends in
+ */
     const char **name; /* pointers to the names, sorted */
     size_t count;
 };

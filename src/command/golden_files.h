@@ -12,8 +12,9 @@
  *          it are examined and removed through that descriptor, so that replacing the folder by a
  *          link has no effect.
  *     (F2) A file belongs to the journal by its name and by its own notes, below.
- *     (F3) Only FILE_LEFTOVER and FILE_STRAY are removed. A file that is a link is neither. A
- *          golden image that is a link is read, and accepting replaces the link.
+ *     (F3) Only FILE_LEFTOVER and FILE_STRAY are removed, and with such an image its PNG, if that
+ *          is one of them or empty. A file that is a link is neither. A golden image that is a link
+ *          is read, and accepting replaces the link.
  */
 #ifndef COMMAND_GOLDEN_FILES_H
 #define COMMAND_GOLDEN_FILES_H
@@ -36,7 +37,8 @@ struct golden_files {
 };
 
 /* Open the folder of the journal at that path; a writer also `makes` it if it does not exist.
- * ERR_INPUT if its name is a link or no folder. Always call golden_files_close. */
+ * ERR_INPUT if its name is a link or no folder, ERR_IO, ERR_MEMORY. Without a folder, OK and -1.
+ * Always call golden_files_close. */
 enum err golden_files_open(struct golden_files *files, const char *journal, bool makes,
                            struct fault *fault);
 

@@ -179,7 +179,8 @@ bool interpreter_find_outside(const struct interpreter *interp, bool is_channel,
 enum err interpreter_settle_name(const struct interpreter *interp, struct call *call,
                                  struct fault *fault);
 
-/* The same for another file that a command reads; interpreter->scene_path is not used. */
+/* As interpreter_find_scene, for another file that a command reads: without scene_path and
+ * channel_path. */
 enum err interpreter_find_file(const struct interpreter *interp, const char *name, struct buf *path,
                                struct fault *fault);
 

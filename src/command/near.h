@@ -4,7 +4,7 @@
  *
  * The distance counts letters left out, added, replaced or swapped with their neighbour: at most
  * one in a word of three to five bytes, two in a word of up to eight, three in a longer one. Case
- * is ignored. A prefix of two bytes or more has distance 1.
+ * is ignored. A prefix of two bytes or more, in the same case, has distance 1.
  *
  *     struct near near = near_to("sede");
  *     near_try(&near, "seed", 4);        for each known word
@@ -39,7 +39,7 @@ void near_try_choices(struct near *near, const char *choices); /* "a|b|c" */
 void near_lead(struct near *near, const char *choices, const char *known);
 
 /* Add "; did you mean a, b or c?" to the words of a fault, each word followed by `ending`, "=" for
- * keys; nothing if no word is near, or too many are. Return its code. */
+ * keys; nothing if no word is near, or too many are. Return its code; ERR_USAGE without a fault. */
 enum err near_append(const struct near *near, const char *ending, struct fault *fault);
 
 /* Add those of the choices that are near a word. */

@@ -78,13 +78,13 @@ static size_t length_of_key(const char *word)
     return at[0] && (!at[1] || at[1] == ' ' || at[1] == '\t') ? key + 1 : 0;
 }
 
-bool command_take_word(const char **cursor, struct buf *out, const char *quotes)
+bool command_take_word(const char **cursor, struct buf *out)
 {
     const char *at = *cursor;
     const size_t key = length_of_key(at);
     buf_add(out, at, key);
     at += key;
-    const char quote = *at && strchr(quotes, *at) ? *at : '\0';
+    const char quote = *at == '"' || *at == '\'' ? *at : '\0';
     const bool quoted = quote != '\0';
     at += quoted;
     while (*at && (quoted ? *at != quote : *at != ' ' && *at != '\t')) {
@@ -100,8 +100,7 @@ bool command_take_word(const char **cursor, struct buf *out, const char *quotes)
 }
 
 /* Add the words of a line to `out`, each ended by NUL. */
-static enum err split_words(struct buf *out, unsigned *count, const char *line, const char *quotes,
-                            struct fault *fault)
+static enum err split_words(struct buf *out, unsigned *count, const char *line, struct fault *fault)
 {
     const char *at = line, *text_end;
     *count = 0;
@@ -115,7 +114,7 @@ static enum err split_words(struct buf *out, unsigned *count, const char *line, 
                         line, text_end, fault);
     for (scan_blanks(&at); *at; scan_blanks(&at)) {
         const char *word = at;
-        if (!command_take_word(&at, out, quotes))
+        if (!command_take_word(&at, out))
             return at_place(fault_set(fault, ERR_USAGE, "a word in quotes does not end: %s", word),
                             line, word, fault);
         ++*count;
@@ -550,12 +549,12 @@ static enum err read_words(struct call *call, unsigned count, const struct known
 }
 
 /* Return the position of the word of this number; after the last word, one byte behind. */
-static const char *place_of_word(const char *line, unsigned number, const char *quotes)
+static const char *place_of_word(const char *line, unsigned number)
 {
     OWNED(buf_release) struct buf word = {0};
     const char *end = line;
     for (scan_blanks(&line); *line && number > 0; scan_blanks(&line), number--) {
-        command_take_word(&line, &word, quotes);
+        command_take_word(&line, &word);
         end = line;
     }
     return *line ? line : end + 1;
@@ -573,15 +572,15 @@ enum err command_parse_by(struct call *call, const char *line, const struct sess
     const struct known known = {session, kept};
     unsigned count, wrong;
     const char *at = line;
-    *call = (struct call){.quotes = COMMAND_QUOTES, .kept = kept};
+    *call = (struct call){.kept = kept};
     scan_blanks(&at);
     if (*at == '#')
         return OK;
-    enum err err = split_words(&call->store, &count, line, call->quotes, fault);
+    enum err err = split_words(&call->store, &count, line, fault);
     if (!err && count > 0) {
         err = read_words(call, count, &known, &wrong, fault);
         if (err)
-            at_place(err, line, place_of_word(line, wrong, call->quotes), fault);
+            at_place(err, line, place_of_word(line, wrong), fault);
     }
     if (err)
         call_release(call);
@@ -612,7 +611,7 @@ void command_point_at(const struct call *call, const char *line, struct fault *f
     for (scan_blanks(&at); wrong && *at; scan_blanks(&at)) {
         const char *start = at;
         buf_clear(&word);
-        command_take_word(&at, &word, call->quotes);
+        command_take_word(&at, &word);
         if (start != line && strcmp(buf_text(&word), wrong) == 0) {
             at_place(fault->code, line, start, fault);
             return;
@@ -681,7 +680,7 @@ bool command_opens(struct buf *name, bool *is_scene, bool *is_part, const char *
     const char *at = line;
     buf_clear(name);
     scan_blanks(&at);
-    const bool is_split = command_take_word(&at, name, COMMAND_QUOTES);
+    const bool is_split = command_take_word(&at, name);
     const struct command *command = is_split ? command_find(buf_text(name)) : NULL;
     const struct parameter *file = command ? command->parameter : NULL;
     if (!file || !(file->is_scene || file->is_channel) ||
@@ -706,7 +705,7 @@ bool command_is_same(const char *a, const char *b)
         for (int i = 0; i < 2; i++) {
             scan_blanks(&line[i]);
             buf_clear(&word[i]);
-            goes_on = goes_on && *line[i] && command_take_word(&line[i], &word[i], COMMAND_QUOTES);
+            goes_on = goes_on && *line[i] && command_take_word(&line[i], &word[i]);
         }
         const char *one = buf_text(&word[0]), *other = buf_text(&word[1]);
         if (n == 0)

@@ -44,9 +44,8 @@ bool script_opens_scene(FILE *input, bool *knows)
         const char *at = buf_text(&line);
         buf_clear(&word);
         scan_blanks(&at);
-        const struct command *command = *at && command_take_word(&at, &word, COMMAND_QUOTES)
-                                            ? command_find(buf_text(&word))
-                                            : NULL;
+        const struct command *command =
+            *at && command_take_word(&at, &word) ? command_find(buf_text(&word)) : NULL;
         opens = command && command->act == act_open;
     }
     if (*knows) {
@@ -137,7 +136,7 @@ static bool are_added(const struct call *call, const char *words)
     bool all = true;
     for (scan_blanks(&words); all && *words; scan_blanks(&words)) {
         buf_clear(&word);
-        all = command_take_word(&words, &word, call->quotes);
+        all = command_take_word(&words, &word);
         const char *value = buf_text(&word);
         const int i = all ? command_parameter_for(call->command, call->value, &value) : -1;
         all = i >= 0 && p[i].added && !call->value[i].given;

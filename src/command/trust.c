@@ -260,7 +260,7 @@ static enum err check_answer(enum path_kind answer, const char *name,
                      sought->kind, name, where, sought->hint, sought->undone);
 }
 
-/* Check the other file of a pair, with `name` found as `path`; FINE without one. */
+/* Check the other file of a pair, with `name` found as `path`; PATH_IS_FILE without one. */
 static enum path_kind look_at_other(struct buf *other, const struct buf *path, const char *name)
 {
     const size_t length = path->length - strlen(name) - 1;

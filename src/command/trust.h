@@ -89,7 +89,7 @@ struct trust_places {
 };
 
 /* Confine the process to these places until it ends. False, without confinement, if the kernel
- * cannot do it or there are more than about 250 folders. */
+ * cannot do it, there are more than 2048 places, or memory runs out. */
 bool trust_confine(const struct trust_places *places);
 
 /*
@@ -103,7 +103,8 @@ bool trust_confine(const struct trust_places *places);
  *     (L3) output is checked before a file grows too large, by the kernel (RLIMIT_FSIZE), and after
  *          each command, whose files are then removed;
  *     (L4) exceeding a limit ends the replay with ERR_LIMIT, and the words name the option.
- * The image helper is a process of its own, with the same limit of memory, but at least 512 MB.
+ * The helpers for images and volumes are processes of their own, each with the same limit of
+ * memory, but at least 512 MB.
  */
 
 struct limits {

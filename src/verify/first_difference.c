@@ -27,7 +27,7 @@ static void take_words(struct buf *words, const char *command)
 {
     buf_clear(words);
     for (const char *at = command; scan_blanks(&at), *at;)
-        if (!command_take_word(&at, words, COMMAND_QUOTES)) {
+        if (!command_take_word(&at, words)) {
             buf_clear(words);
             buf_add(words, command, strlen(command) + 1);
             return;
