@@ -6,8 +6,8 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
+#include "base/square_root.h"
 #include "engine/grid.h"
-#include "engine/weight_gradient.h"
 
 static const uint8_t black[3];
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "engine/weight_gradient.h"
+#include "base/square_root.h"
 
 enum { INTENSITIES = UINT16_MAX + 1, WHITE = 255 };
 

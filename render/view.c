@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine/weight_gradient.h"
+#include "base/square_root.h"
 
 enum {
     CORDIC_STEPS = 32,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Arc weights: tiny scenes worked by hand, then random ones against plain slow recomputes that
- * hold whole volumes and look at every neighbour. */
+/* Arc weights: tiny scenes worked by hand, and random ones against recomputes of whole volumes. */
 #include <math.h>
 
+#include "base/square_root.h"
 #include "engine/weight_gradient.h"
 #include "engine/weight.h"
 #include "tests/check_main.h"

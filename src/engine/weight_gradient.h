@@ -28,9 +28,6 @@
 
 #include <stdint.h>
 
-/* floor(sqrt(n)), for n up to (2^32 - 1)^2. */
-uint32_t square_root(uint64_t n);
-
 enum { GAUSS_RADIUS_MOST = 24 };
 
 /*

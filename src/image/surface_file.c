@@ -14,7 +14,7 @@
 #include "base/mem.h"
 #include "base/scan.h"
 #include "base/sort.h"
-#include "engine/weight_gradient.h"
+#include "base/square_root.h"
 
 enum { FLUSH = 1 << 20 };
 

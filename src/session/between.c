@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "base/mem.h"
+#include "base/square_root.h"
 #include "engine/distance.h"
-#include "engine/weight_gradient.h"
 
 /* ---- outlines ---- */
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "show/histogram.h"
 
+#include "base/square_root.h"
 #include "engine/scene.h"
-#include "engine/weight_gradient.h"
 #include "image/geometry.h"
 #include "show/draw.h"
 
