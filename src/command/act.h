@@ -238,7 +238,8 @@ enum err act_write_planting(const struct act *act, const struct planting *planti
 void act_write_unsure(const struct act *act, unsigned channel, size_t voxels);
 
 /* Find the voxels of a ball of `radius` at PLACE, or of a stroke if `to` is given; `to` may be
- * NULL. ERR_MEMORY, ERR_CANCELLED. The caller releases the voxels, also on error. */
+ * NULL. ERR_INPUT for millimetres of voxels of unknown size, ERR_LIMIT (brush_init), ERR_MEMORY,
+ * ERR_CANCELLED. The caller releases the voxels, also on error. */
 enum err act_find_voxels(const struct act *act, const struct value *to, struct voxels *voxels);
 
 /* Find the word of a record with a result that was computed from the forest, so that resuming a

@@ -38,7 +38,7 @@ struct printer {
  * COMMAND", if it is record N, or by "ok - COMMAND"; its answer follows, indented. The first error
  * ends the run, unless `keep_going`. If the session's watch stops, the run ends in any case:
  * ERR_CANCELLED. *stopped is the line at which the run ended, 0 at the end of the script. Result
- * lines of a journal are skipped. */
+ * lines of a journal are skipped. Return the first error. */
 enum err script_run(struct interpreter *interp, FILE *input, const char *name, bool keep_going,
                     const struct printer *printer, size_t *stopped, struct fault *fault);
 

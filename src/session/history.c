@@ -12,7 +12,7 @@
 
 /* ---- settings of the points, stored compactly ---- */
 
-/* struct kept has about 38 kB, and a command changes a few bytes of it. So points share a
+/* struct kept has about 43 kB, and a command changes a few bytes of it. So points share a
  * *ground*, a whole struct kept, and store only pieces that differ from it; with too many pieces, a
  * point has a ground of its own, which shares the equal blocks of the one before. Maps as large as
  * the scene are held (kept_hold). */

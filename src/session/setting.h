@@ -38,7 +38,7 @@ enum value_type {
     VALUE_RADIUS,   /* voxels, least..most; or millimetres, "2.5mm", of 1 nm to 1 m */
     VALUE_RANGE,    /* "A-B", or "A" for "A-A", least..most */
     VALUE_LIST,     /* ranges with commas between them, "1-90,105", least..most */
-    VALUE_REAL,     /* a real value: 40, -0.5, 1.5e-3 (base/decimal.h) */
+    VALUE_REAL,     /* a real value: 40, -0.5, 1.5e-3 (base/scan.h) */
     VALUE_INTERVAL, /* "LOW..HIGH", two of them */
     VALUE_DECIMAL,  /* thousandths, least..most: 12.5 is 12500 */
     VALUE_CHOICE,   /* choices only */

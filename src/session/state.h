@@ -9,7 +9,7 @@
  * The planted seeds belong to the state too, but only their changes are stored: the edits that lead
  * from one state to another (session_go). Everything else in a session follows from its state.
  *
- * A state is copied by assignment and has about 40 kB. Data as large as the scene is shared,
+ * A state is copied by assignment and has about 44 kB. Data as large as the scene is shared,
  * immutable and counted. A copy borrows; state_assign makes an owner.
  */
 #ifndef SESSION_STATE_H
