@@ -15,7 +15,7 @@
 #include "render/projection.h"
 
 enum {
-    NORMAL_BITS = 14, /* 1 of a normal's length */
+    NORMAL_BITS = NET_NORMAL_BITS, /* 1 of a normal's length */
     TRIANGLES_BITS = 6,
     NORMALISED = TILE * TILE, /* number processed at once */
 };

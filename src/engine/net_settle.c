@@ -204,7 +204,7 @@ static inline int32_t length_of(net_lanes n)
     return (int32_t)(part * root_share(part) >> (46 + half));
 }
 
-/* Normalise to length 2^14. */
+/* Normalise to length 2^NET_NORMAL_BITS. */
 static inline net_lanes long_as_one(net_lanes n)
 {
     const uint64_t square = square_of(n);
@@ -213,7 +213,7 @@ static inline net_lanes long_as_one(net_lanes n)
         return (net_lanes){0};
     const int64_t share = (int64_t)root_share(as_part(square, &half));
     for (int k = 0; k < 3; k++)
-        n[k] = (int32_t)rounded(n[k] * share, 32 - half);
+        n[k] = (int32_t)rounded(n[k] * share, 46 - NET_NORMAL_BITS - half);
     n[3] = 0;
     return n;
 }
