@@ -117,10 +117,8 @@ enum err replay_begin(struct replay *r, const char *bytes, size_t length,
     report->is_intact = true;
     report->chain = record_chain_zero;
     enum err err = walk_begin(&r->walk, bytes, length, fault);
-    if (!err) {
+    if (!err)
         report->is_journal = r->walk.is_journal;
-        report->semantics = r->walk.semantics;
-    }
     if (!err && host->begin && r->walk.semantics)
         err = host->begin(host->context, r->walk.semantics, fault);
     if (err) {

@@ -45,7 +45,6 @@ enum replay_outcome {
 struct replay_report {
     enum replay_outcome outcome;
     bool is_journal;    /* false: a script */
-    unsigned semantics; /* semantics of the journal; 0 for a script */
     size_t executed;    /* commands that were carried out with their recorded results */
     size_t compared;    /* commands among them that have a recorded result */
     size_t digests;     /* digests among the equal words */

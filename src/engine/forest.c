@@ -426,7 +426,6 @@ enum err forest_set_team(struct forest *forest, struct team *team, struct fault 
     if (!worker)
         return fault_memory(fault, "a forest");
     for (unsigned i = 0; i < workers; i++) {
-        worker[i].forest = forest;
         worker[i].number = i;
         worker[i].queue = queue_new(cells / workers);
         if (!worker[i].queue) {

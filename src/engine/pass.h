@@ -31,7 +31,6 @@ struct outbox {
 
 /* One thread of a pass. It writes its status for the others before they meet (engine/pass.c). */
 struct worker {
-    struct forest *forest;
     unsigned number;
     struct queue *queue;
     struct outbox outbox[TEAM_MOST];   /* to each other worker */
