@@ -6,7 +6,7 @@
 
 #include "base/hash.h"
 #include "base/mem.h"
-#include "base/square_root.h"
+#include "base/least.h"
 #include "engine/grid.h"
 
 static const uint8_t black[3];

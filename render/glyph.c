@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/square_root.h"
+#include "base/least.h"
 #include "render/face_table.h"
 
 enum { SMALL_LESS = 45, LARGE_LESS = FACE_BASE * FACE_BASE / 2, INDEX_DIGITS = 5, KERN_DIGITS = 3 };

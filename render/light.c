@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/least.h"
-#include "base/square_root.h"
 
 enum { BARELY = 64 }; /* smallest cosine to the viewer, as a part of 1 */
 

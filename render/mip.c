@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "base/square_root.h"
+#include "base/least.h"
 
 enum { INTENSITIES = UINT16_MAX + 1, WHITE = 255 };
 

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "base/square_root.h"
+#include "base/least.h"
 
 /* The first 16 were optimised together (palette.h has the criteria), and sorted so that each
  * differs most from those before it. From 17 on each is the colour of a grid that differs most from

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/square_root.h"
+#include "base/least.h"
 
 enum {
     CORDIC_STEPS = 32,

@@ -2,7 +2,7 @@
 /* Normals and light of many surfaces at once equal those of each one. */
 #include "tests/check_main.h"
 
-#include "base/square_root.h"
+#include "base/least.h"
 #include "render/light.h"
 #include "tests/stage.h"
 

@@ -2,7 +2,7 @@
 /* Arc weights: tiny scenes worked by hand, and random ones against recomputes of whole volumes. */
 #include <math.h>
 
-#include "base/square_root.h"
+#include "base/least.h"
 #include "engine/weight_gradient.h"
 #include "engine/weight.h"
 #include "tests/check_main.h"

@@ -11,7 +11,6 @@
 #include "base/least.h"
 #include "base/mem.h"
 #include "base/scan.h"
-#include "base/square_root.h"
 #include "command/near.h"
 #include "engine/roi.h"
 #include "image/geometry.h"

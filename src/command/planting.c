@@ -10,7 +10,7 @@
 #include "base/choice.h"
 #include "base/mem.h"
 #include "base/scan.h"
-#include "base/square_root.h"
+#include "base/least.h"
 #include "engine/components.h"
 #include "engine/roi.h"
 #include "image/levels.h"

@@ -3,7 +3,7 @@
 
 #include <assert.h>
 
-#include "base/square_root.h"
+#include "base/least.h"
 #include "engine/weight.h"
 
 /* ---- sobel ---- */

@@ -14,7 +14,7 @@
 #include "base/mem.h"
 #include "base/scan.h"
 #include "base/sort.h"
-#include "base/square_root.h"
+#include "base/least.h"
 
 enum { FLUSH = 1 << 20 };
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/mem.h"
-#include "base/square_root.h"
+#include "base/least.h"
 #include "engine/distance.h"
 
 /* ---- outlines ---- */

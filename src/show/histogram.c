@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "show/histogram.h"
 
-#include "base/square_root.h"
+#include "base/least.h"
 #include "engine/scene.h"
 #include "image/geometry.h"
 #include "show/draw.h"
