@@ -30,8 +30,8 @@ struct waiting {
     uint32_t level, cell;
 };
 
-/* Add a cell at a level above the one being served. Adding many at once needs a third of the time;
- * queue_push_hops is for a level of the same cost as the one being served. */
+/* Add cells at levels above the one being served; queue_push_hops is for a level of the same cost
+ * as the one being served. */
 void queue_push(struct queue *queue, uint32_t level, uint32_t cell);
 void queue_push_many(struct queue *queue, const struct waiting *item, size_t count);
 void queue_push_hops(struct queue *queue, uint32_t level, const uint32_t *cell, size_t count);
