@@ -150,16 +150,16 @@ expect_in() { # FOLDER STATUS COMMAND...
     expect "$@"
     cd "$here" || exit 1
 }
-out_has() { # fixed strings on standard output of the last command
+out_has() { has_parts "$work/out" "$@"; } # fixed strings in lines of the last command's output
+err_has() { has_parts "$work/err" "$@"; } # the same of its errors
+has_parts() { # FILE STRING...; to start a grep would take longer
+    printed=$1
+    shift
     for expected_part; do
-        grep -qF -e "$expected_part" "$work/out" ||
-            fail "no '$expected_part' in the output:" "$(tail -n 4 "$work/out")"
-    done
-}
-err_has() { # the same of its errors
-    for expected_part; do
-        grep -qF -e "$expected_part" "$work/err" ||
-            fail "no '$expected_part' in the errors:" "$(cat "$work/err")"
+        while IFS= read -r read_line || [ -n "$read_line" ]; do
+            case $read_line in *"$expected_part"*) continue 2 ;; esac
+        done <"$printed"
+        fail "no '$expected_part' in ${printed##*/}:" "$(tail -n 9 "$printed")"
     done
 }
 # expect_out WORDS STATUS COMMAND...: expect, and find the words on standard output
