@@ -12,7 +12,7 @@ static const struct option option[] = {
     {0},
     [JSON] = {"--json", NULL, "print JSON", FLAG(common.json)},
     [QUICK_PAPER] = {"--quick", NULL, "only the first two steps", FLAG(quick)},
-    [QUICK_GROWTH] = {"--quick", NULL, "only the first two scenes", FLAG(quick)},
+    [QUICK_GROWTH] = {"--quick", NULL, "only the first two scenes, of smaller tiles", FLAG(quick)},
     [QUICK_KEYS] = {"--quick", NULL, "one start, few keys of a small scene, no line", FLAG(quick)},
     [ROUNDS] = {"--rounds", "N", "time each experiment N times (3), take the median",
                 option_read_number, offsetof(struct bench_options, rounds), 1, 99, NULL},

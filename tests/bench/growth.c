@@ -15,8 +15,6 @@
  * ball of seeds between those of the lattice, touches the same voxels in each. So whatever depends
  * on the size of the scene shows. */
 enum {
-    TILE_X = 200,
-    TILE_Y = 200,
     TILE_Z = 100,
     LATTICE = 25, /* voxels between seeds */
     BALL = 3,     /* radius of the edit */
@@ -24,6 +22,7 @@ enum {
     ROUNDS = 31,
     SCENES = 4,
 };
+static uint32_t tile_side = 200; /* along x and y */
 static const uint32_t tiles[SCENES][3] = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {5, 5, 3}};
 
 struct growth {
@@ -44,9 +43,9 @@ static void lay_tiles(struct scene *scene, const struct scene *tile)
     for (uint32_t z = 0; z < grid->size[2]; z++)
         for (uint32_t y = 0; y < grid->size[1]; y++) {
             const struct span to = grid_row(grid, y, z);
-            const struct span from = grid_row(&tile->grid, y % TILE_Y, z % TILE_Z);
+            const struct span from = grid_row(&tile->grid, y % tile_side, z % TILE_Z);
             for (uint32_t x = 0; x < grid->size[0]; x++) {
-                const struct cell *cell = tile->cell + from.first + x % TILE_X;
+                const struct cell *cell = tile->cell + from.first + x % tile_side;
                 scene->cell[to.first + x].intensity = cell->intensity;
                 scene->cell[to.first + x].weight = cell->weight;
             }
@@ -74,8 +73,8 @@ static void plant_lattice(struct growth *growth)
 static void place_ball(struct growth *growth, const uint32_t count[3])
 {
     const struct grid *grid = &growth->scene->grid;
-    const int32_t at[3] = {(int32_t)(count[0] / 2 * TILE_X + 4 * LATTICE),
-                           (int32_t)(count[1] / 2 * TILE_Y + 4 * LATTICE),
+    const int32_t at[3] = {(int32_t)(count[0] / 2 * tile_side + tile_side / 2),
+                           (int32_t)(count[1] / 2 * tile_side + tile_side / 2),
                            (int32_t)(count[2] / 2 * TILE_Z + 2 * LATTICE)};
     size_t voxels = 0;
     for (int32_t z = -BALL; z <= BALL; z++)
@@ -91,7 +90,7 @@ static void place_ball(struct growth *growth, const uint32_t count[3])
 
 static void make_scene(struct growth *growth, const struct scene *tile, const uint32_t count[3])
 {
-    const uint32_t size[3] = {count[0] * TILE_X, count[1] * TILE_Y, count[2] * TILE_Z};
+    const uint32_t size[3] = {count[0] * tile_side, count[1] * tile_side, count[2] * TILE_Z};
     must(scene_new(&growth->scene, size, NULL, NULL, &bench_fault));
     must(forest_new(&growth->forest, growth->scene, 6, &bench_fault));
     must(border_init(&growth->border, growth->scene, &bench_fault));
@@ -167,7 +166,7 @@ static size_t scenes_that_fit(size_t most)
     uint64_t bytes = 0;
     size_t scenes = 0;
     for (; scenes < most; scenes++) {
-        const uint32_t size[3] = {tiles[scenes][0] * TILE_X, tiles[scenes][1] * TILE_Y,
+        const uint32_t size[3] = {tiles[scenes][0] * tile_side, tiles[scenes][1] * tile_side,
                                   tiles[scenes][2] * TILE_Z};
         bytes += session_bytes_for(size);
         if (scenes > 0 && bytes > mem_available() / 10 * 9)
@@ -178,6 +177,7 @@ static size_t scenes_that_fit(size_t most)
 
 enum err run_growth(const struct options *o, struct fault *fault)
 {
+    tile_side = bench_options(o)->quick ? 100 : tile_side;
     const size_t scenes = scenes_that_fit(bench_options(o)->quick ? 2 : SCENES);
     struct watch *watch = console_watch();
     OWNED(mem_release) struct growth *growth = must_have(SCENES * sizeof *growth);

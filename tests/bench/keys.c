@@ -148,7 +148,7 @@ static const struct line_kind {
 } lines[] = {{"local", "no line", {0, 0, STILL_MS}, 16},
              {"fast", "20 Mbit/s, 30 ms round trip", {20e6, 15, STILL_MS}, 12},
              {"slow", "2 Mbit/s, 120 ms round trip", {2e6, 60, STILL_MS}, 6}};
-enum { LINES = sizeof lines / sizeof lines[0], PILOTED = 3, QUICK_KEYS = 4 };
+enum { LINES = sizeof lines / sizeof lines[0], PILOTED = 3, QUICK_KEYS = 3 };
 static const struct graphics *const piloted[PILOTED] = {&graphics_kitty, &graphics_tiles,
                                                         &graphics_sixel};
 
@@ -336,7 +336,7 @@ static void press_all(struct far_end *e, unsigned keys, struct key_figures out[K
     press(e, "\r", frame);
     out[MAGNIFY] = press_in_turn(e, "]", "]", keys);
     press(e, "W", frame);
-    outline(e, 4, out);
+    outline(e, keys < 6 ? 2 : 4, out);
     out[HELD_MOVE] = hold(e, "l", NULL);
     out[HELD_SLICE] = hold(e, "K", NULL);
     out[HELD_TURN] = hold(e, "r", NULL);
@@ -612,7 +612,7 @@ enum err run_keys(const struct options *o, struct fault *fault)
                         .quick = bench_options(o)->quick};
     (void)fault;
     if (f.quick)
-        held_for_ms = idle_ms = 300;
+        held_for_ms = idle_ms = 100;
     find_files(&f);
     for (int i = 0; !f.only && i < (f.quick ? 1 : STARTS); i++)
         time_start(&f);
