@@ -352,14 +352,15 @@ expect_err "the folder holds no slices" 3 "$iftty" replay j
 expect 0 "$iftty" -c "open ct" # the user's own may be links
 cd "$work/v" || exit 1
 
-begin "hundreds of files with wrong bytes: each is opened or refused in one line"
+begin "dozens of files with wrong bytes: each is opened or refused in one line"
 cat >"$work/break.py" <<'END'
 import os, random, shutil, sys
 source, place, ending, rounds = sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4])
+CHOSEN = [1, 6, 7, 16, 20, 51]  # of 60 seeds, those with the most different outcomes: 59
 for number in range(1, rounds + 1):
     target = os.path.join(place, str(number), "broken" + ending)
     os.makedirs(os.path.dirname(target))
-    random.seed(number)
+    random.seed(CHOSEN[number - 1] if number <= len(CHOSEN) else 100 + number)
     (shutil.copytree if os.path.isdir(source) else shutil.copy)(source, target)
     one = target
     if os.path.isdir(target):
@@ -372,15 +373,14 @@ for number in range(1, rounds + 1):
         del data[random.randrange(len(data)):]
     open(one, "wb").write(data)
 END
-rounds=$((${ROUNDS:-12} * ${IFTTY_TEST_SCALE:-1}))
+rounds=$((${ROUNDS:-6} * ${IFTTY_TEST_SCALE:-1}))
 # ANALYZE, NIfTI and NRRD have targets of the fuzzer.
 for name in whole.mha packed.mha small.mnc tiny.mnc a.mrc a.vtk a.h5 stack.tif tif-slices \
     png-slices ct ct-dcmcrle ct-dcmcjpeg ct-dcmcjpls; do
     ending=${name#"${name%%.*}"}
     mkdir "$work/broken"
     "$PYTHON" "$work/break.py" "$name" "$work/broken" "$ending" $rounds
-    round=0
-    while [ $((round += 1)) -le $rounds ]; do
+    for round in $(seq $rounds); do
         target=$work/broken/$round/broken$ending
         # OpenEXR, which needs no other helper
         may_open "$name $round" "open $target; size 64 64
