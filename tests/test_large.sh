@@ -48,26 +48,24 @@ begin "a scene needs less than 20 bytes per voxel at the peak, and info prints t
 if [ "${free_gb:-0}" -le 2 ]; then
     skip "this machine has less than 2 GB of memory free"
 else
-    commands_for() { # SIDE
-        at=$(($1 / 2)),$(($1 / 2)),$(($1 / 2))
-        printf '%s\n' "open synth:geom:$1x$1x$1" "seed $at 1 radius=3" 'seed 1,1,1 0' \
-            'seed 5,5,5 2 radius=4' "seed $(($1 * 3 / 4)),9,9 3" run "remove $at" run \
-            "seed $at 1 radius=9" run info
-    }
-    picture() { # SIDE: what a picture adds, with the surface that it shows
-        commands_for $1
-        printf '%s\n' 'size 256 256' render info
-    }
-    peak() { # of the script
-        "$PYTHON" -c 'import resource, subprocess, sys
-subprocess.run(sys.argv[1:], stdout=open("out", "w"), stderr=subprocess.DEVNULL, check=True)
-print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)' "$iftty" run script
-    }
     for side in 30 260; do # the program itself takes some 10 MB
-        commands_for $side >script
-        peak >peak.$side
-        picture $side >script
-        peak >pictured.$side
+        expect 0 "$PYTHON" - "$iftty" $side <<'END'
+import re, resource, subprocess, sys
+side, middle = int(sys.argv[2]), "%d,%d,%d" % ((int(sys.argv[2]) // 2,) * 3)
+run = subprocess.Popen([sys.argv[1], "run", "-"], stdin=-1, stdout=-1, stderr=-3, text=True)
+print("open synth:geom:%dx%dx%d" % (side, side, side), "seed %s 1 radius=3" % middle,
+      "seed 1,1,1 0", "seed 5,5,5 2 radius=4", "seed %d,9,9 3" % (side * 3 // 4), "run",
+      "remove " + middle, "run", "seed %s 1 radius=9" % middle, "run", "info",
+      "size 256 256", sep="\n", file=run.stdin, flush=True)
+text = ""
+while "\nok 11 " not in text:
+    text += run.stdout.readline()
+print(int(re.search(r"VmHWM:\s+(\d+)", open("/proc/%d/status" % run.pid).read())[1]) * 1024,
+      file=open("peak.%d" % side, "w"))
+open("out", "w").write(text + run.communicate("render\ninfo\n")[0])
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024,
+      file=open("pictured.%d" % side, "w"))
+END
     done
     [ $(($(cat peak.260) - $(cat peak.30))) -lt $((20 * 260 * 260 * 260)) ] ||
         fail "at most $(cat peak.260) bytes, $(cat peak.30) of them without a scene"
