@@ -5,6 +5,7 @@
                         voxels in the same place: A.nrrd and A.twin.nii
     make.py same A B    whether two NIfTI files have the same matrix to the world, to a micrometre
 """
+import io
 import os
 import shutil
 import subprocess
@@ -275,6 +276,10 @@ def make_minc():
 
 # ---- DICOM by pydicom, on the header of a real CT ----
 
+ct = pydicom.dcmread(pydicom.data.get_testdata_file("CT_small.dcm"))
+ct.remove_private_tags()  # most of its elements
+ct.save_as(CT := io.BytesIO())
+
 
 def identify(one, number):
     one.SOPInstanceUID = one.file_meta.MediaStorageSOPInstanceUID = SECRETS[3] + number
@@ -292,7 +297,7 @@ def slices_of(data, place, step=None):
     length = numpy.linalg.norm(lps[:3, :3], axis=0)
     made = []
     for z in range(data.shape[2]):
-        one = pydicom.dcmread(pydicom.data.get_testdata_file("CT_small.dcm"))
+        one = pydicom.dcmread(io.BytesIO(CT.getvalue()))
         one.PatientName = SECRETS[0] + "^ANNA"
         one.PatientID = SECRETS[1]
         one.PatientBirthDate = one.StudyDate = one.SeriesDate = SECRETS[2]
