@@ -100,7 +100,7 @@ rm -f held?.png
 
 begin "progress is shown on a terminal, and erased afterwards"
 if needs script; then
-    line="$iftty -c 'open synth:geom:360x360x360; seed 180,180,180 1; seed 1,1,1 0; run'"
+    line="$iftty -c 'open synth:geom:320x320x320; seed 160,160,160 1; seed 1,1,1 0; run'"
     script -qec "$line" /dev/null </dev/null >seen
     tr '\r' '\n' <seen >lines
     grep -qE '\[#*-*\] +[0-9]+ %, [0-9]+ s' lines || fail "no bar: $(head -c 600 seen)"
