@@ -699,11 +699,14 @@ enum err regions_table(uint16_t **as, const struct regions *regions, const struc
                        const struct kept *kept, struct fault *fault)
 {
     uint16_t *made = *as = mem_array(REGION_MOST + 1, sizeof *made);
+    const uint32_t known = numbering_is_used(kept) ? UINT32_MAX : LABELS - 1;
     if (!made)
         return fault_memory(fault, "the regions");
     for (uint32_t r = 0, number = 0; r <= REGION_MOST; r++) {
         const bool is_there = regions_choose(regions, map_number(map, r), &number);
-        const int label = is_there ? numbering_find(kept, number) : REGION_NONE;
+        const int label = !is_there        ? REGION_NONE
+                          : number > known ? NUMBER_UNKNOWN
+                                           : numbering_find(kept, number);
         made[r] = (uint16_t)(label == NUMBER_UNKNOWN ? REGION_UNKNOWN : label);
     }
     return OK;
