@@ -70,7 +70,7 @@ count = {"serve": 0, "prompt": 0, "pilot": 0}
 sessions = []  # those that have ended
 given = set()  # the first words of commands
 goldens, marks, markers = 0, 0, 0
-numbered = False  # labels above 255 may be there
+numbered, outlined = False, None  # labels above 255 may be there; a polygon, and its label
 begun = time.monotonic()
 failures = []
 
@@ -142,9 +142,6 @@ def planting():
                                       "map.nii label=3 each=5 generator=7", "none.csv",
                                       "map.dcm regions=1-2 erode=2 each=9", "bad.dcm",
                                       "map.nii label=1 each=9 within=0 over=0"])
-
-
-outlined = None  # a polygon, and its label
 
 
 def outlining(first, others):

@@ -57,16 +57,14 @@ print("open synth:geom:%dx%dx%d" % (side, side, side), "seed %s 1 radius=3" % mi
       "seed 1,1,1 0", "seed 5,5,5 2 radius=4", "seed %d,9,9 3" % (side * 3 // 4), "run",
       "remove " + middle, "run", "seed %s 1 radius=9" % middle, "run", "info",
       "size 256 256", sep="\n", file=run.stdin, flush=True)
-text = ""
-for line in run.stdout:
-    text += line
-    if line.startswith("ok 11 "):
-        break
+lines = [""]
+while not lines[-1].startswith("ok 11 ") and run.poll() is None:
+    lines.append(run.stdout.readline())
 print(int(re.search(r"VmHWM:\s+(\d+)", open("/proc/%d/status" % run.pid).read())[1]) * 1024,
       file=open("peak.%d" % side, "w"))
 print("render", "info", sep="\n", file=run.stdin)
 run.stdin.close()
-open("out", "w").write(text + run.stdout.read())
+open("out", "w").write("".join(lines) + run.stdout.read())
 run.wait()
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024,
       file=open("pictured.%d" % side, "w"))
