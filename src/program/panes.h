@@ -63,7 +63,8 @@ bool panes_draw_beyond(struct panes *panes, struct session *session, enum pilot_
                        unsigned number);
 
 /* Move a magnified pane by eighths of its size, {right, down}: computes the voxel in the middle of
- * its slices and the place of the cross-hair. False at the edge of the scene. */
+ * its slices and the place of the cross-hair, by the present settings: the picture may not be drawn
+ * yet. False at the edge of the scene. */
 bool panes_pan(const struct panes *panes, const struct session *session, enum pilot_pane pane,
                const int by[2], uint32_t middle[3], uint32_t place[3]);
 
