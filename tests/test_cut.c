@@ -48,8 +48,9 @@ static void cut_as(struct border *border, const struct cut *cut)
 
 STORY(slabs_boxes_and_planes_take_what_they_say)
 {
+    OWNED(scene_drop) struct scene *scene = NULL;
     OWNED(border_release) struct border border;
-    OWNED(scene_drop) struct scene *scene = hand_scene(&border);
+    scene = hand_scene(&border);
     const struct grid *grid = &scene->grid;
     struct cut cut = cut_none();
     CHECK(cut_is_none(&cut));

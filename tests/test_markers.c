@@ -16,7 +16,7 @@ struct plain {
     int16_t label;
 };
 
-static struct cell cells[1000 + VOXELS * 7];
+static struct cell cells[1000 + (VOXELS + 1) * 7];
 
 static uint32_t cell_of(uint32_t voxel)
 {

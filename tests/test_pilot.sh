@@ -485,7 +485,7 @@ if "$iftty" run reference >/dev/null 2>&1; then
     tmux_here pipe-pane -t prompt
     # Nothing is drawn over progress before it is erased.
     LC_ALL=C awk 'BEGIN { RS = "[\r\033]" } /^[a-z]+ +\[.* s/ { n++; works = 1 }
-        /^ +$/ { works = 0 }
+        /^ +$|^\[2J/ { works = 0 }
         works && / (seed|keys|back)/ { print; n = 0; exit } END { exit !n }' stream >row ||
         fail "hints over progress: $(cat row)"
     type_letters "1bgc" # the volume is that of what is shown, which has settled
