@@ -20,7 +20,7 @@ static void row(void *context, uint32_t y, uint32_t z, uint8_t *label)
     const struct labels *labels = context;
     for (uint32_t x = 0; x < labels->size[0]; x++) {
         const size_t at = x + labels->size[0] * (y + (size_t)labels->size[1] * z);
-        label[x] = at < labels->length ? (uint8_t)(labels->bytes[at] % (labels->most + 1)) : 0;
+        label[x] = (uint8_t)(at < labels->length ? labels->bytes[at] % (labels->most + 1) : 0);
     }
 }
 
