@@ -341,8 +341,7 @@ static void offer_labels(const struct offers *o, const struct parameter *p)
 enum { LISTING_MOST = 20000 }; /* names; a larger folder is truncated */
 
 struct listing {
-    struct buf store;  /* names, each ended by NUL; a folder's ends in
- */
+    struct buf store;  /* names, each ended by NUL; a folder's ends in a slash */
     const char **name; /* pointers to the names, sorted */
     size_t count;
 };
