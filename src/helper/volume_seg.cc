@@ -382,13 +382,14 @@ static void add_frame(Segments &segments, const Frame &frame)
     for (size_t at = 0; at < pixels; at++) {
         const unsigned value = segments.whole.bits == 16 ? load<uint16_t>(bytes + 2 * at)
                                                          : static_cast<unsigned char>(bytes[at]);
-        const auto of = value ? segments.numbers.find(value) : segments.numbers.end();
         if (!segments.is_map && value >= segments.least)
             put(segments, at, frame.number);
-        else if (segments.is_map && value && of == segments.numbers.end())
+        if (!segments.is_map || value == 0)
+            continue;
+        const auto of = segments.numbers.find(value);
+        if (of == segments.numbers.end())
             refuse("damaged: a voxel is of segment %u, which it does not describe", value);
-        else if (segments.is_map && value)
-            put(segments, at, of->second);
+        put(segments, at, of->second);
     }
 }
 

@@ -475,13 +475,10 @@ bool panes_pan(const struct panes *p, const struct session *session, enum pilot_
                const int by[2], uint32_t middle[3], uint32_t place[3])
 {
     const struct mosaic_box *box = &p->panel.layout.box[pane];
-    const struct slice_settings *now = &session->now.outlook.slices;
-    struct mosaic_choice choice = {
-        .layout = &p->panel.layout, .times = now->times, .has_middle = now->has_middle};
+    struct mosaic_choice choice = slicing_choice(session);
+    choice.layout = &p->panel.layout;
     if (box->width == 0)
         return false;
-    memcpy(choice.place, now->cross, sizeof choice.place);
-    memcpy(choice.middle, now->middle, sizeof choice.middle);
     const struct slice_choice slice = mosaic_slice(session->scene, &choice, p->panel.screen.width,
                                                    p->panel.screen.height, (enum slice_plane)pane);
     return slice_pan(session->scene, &slice, box->width, box->height, by, middle, place);

@@ -147,6 +147,11 @@ static struct mosaic_choice mosaic_of(const struct session *session, const struc
     return choice;
 }
 
+struct mosaic_choice slicing_choice(const struct session *session)
+{
+    return mosaic_of(session, NULL);
+}
+
 enum err slicing_check_size(const struct view *view, struct fault *fault)
 {
     if (view->width >= MOSAIC_SIDE_LEAST && view->height >= MOSAIC_SIDE_LEAST)

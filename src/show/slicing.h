@@ -43,6 +43,10 @@ struct slicing_panel {
     struct mosaic_choice choice; /* borrows layout and the session's team; without titles */
 };
 
+/* The choice of a panel by the present settings, which may not be drawn yet. The caller sets its
+ * layout. Borrows the session's team. */
+struct mosaic_choice slicing_choice(const struct session *session);
+
 /* Draw a panel with the labels of session_draw_fitting, and set the members after `within_ns`. The
  * canvas is {0} or was drawn before; it gets its cells, words and the greys below; the caller
  * releases it. ERR_LIMIT for a screen that is too small (mosaic_fits). */
