@@ -15,11 +15,11 @@
 cd "$(dirname "$0")/.." || exit 1
 
 # Start the longest first, so that a short one ends last.
-longest='test_volumes.sh test_prompt_pty test_examples.sh test_trust.sh test_pictures.sh
-test_bench.sh test_elsewhere.sh test_cut_files.sh test_bad_input.sh test_fuzz.sh test_large.sh
-test_command test_apply.sh test_program.sh test_kill_files test_series.sh test_stats
-test_verify.sh test_power_loss test_forest test_crash.sh test_confine test_team_racing
-test_tui_repl test_layout.sh test_levels.sh'
+longest='test_prompt_pty test_tiff.sh test_examples.sh test_volumes.sh test_bench.sh test_seg.sh
+test_relax test_apply.sh test_marker_sessions test_pictures.sh test_tui_repl test_command
+test_pilot.sh test_confine test_dicom.sh test_large.sh test_tutorial.sh test_headers.sh
+test_program.sh test_leaving.sh test_trust.sh test_kill_files test_semantics.sh test_fuzz.sh
+test_elsewhere.sh test_team_racing test_painter test_nrrd.sh test_golden_files.sh test_tilt.sh'
 # Tests of several threads; others have one thread, since programs run in parallel.
 threaded=' test_command test_examples.sh test_large.sh test_picture_writer test_tally '
 # Tests of the data on the disk after a crash.
