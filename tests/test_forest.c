@@ -295,7 +295,14 @@ static struct world planted_world(uint64_t *random, unsigned seeds, unsigned sma
     return w;
 }
 
-/* Most of a scene of more than 200 000 voxels is removed, so the forest is rebuilt. */
+static bool stop_and_starve(void *context, const char *what, uint64_t done, uint64_t total)
+{
+    allow_allocations(0);
+    return stop_after_looks(context, what, done, total);
+}
+
+/* Most of a scene of more than 200 000 voxels is removed, so the forest is rebuilt. At last memory
+ * runs out while that is undone. */
 STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
 {
     struct fault fault = {0};
@@ -321,6 +328,14 @@ STORY(a_large_tree_that_falls_is_as_if_it_had_never_been)
     CHECK(looks > 5 && forest_changes(w.forest).everything);
     CHECK_INT(forest_stats(w.forest).cleared, 0);
     CHECK(forest_check(w.forest, NULL) && equals_scratch(&w) && revert(w.forest, NULL) == OK);
+    is_as_before(&w, before);
+    int none = 0;
+    w.scene->watch = &(struct watch){.context = &none, .poll = stop_and_starve};
+    CHECK_INT(forest_edit(w.forest, edit, 2, &fault), ERR_MEMORY);
+    mem_allows = NULL;
+    w.scene->watch = NULL;
+    CHECK_HAS(fault.text, "the seeds are as before");
+    CHECK(forest_is_suspended(w.forest) && forest_catch_up(w.forest, NULL) == OK);
     is_as_before(&w, before);
 }
 

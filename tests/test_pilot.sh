@@ -479,9 +479,18 @@ if "$iftty" run reference >/dev/null 2>&1; then
     same "$(printf '%s\n' "$keys" | wc -l)" 10
     tmux_here pipe-pane -t prompt "cat >'$work/stream'"
     for key in $keys; do type_letters "$key"; done
-    comes_true grep -aEq ' %, [0-9]+ s( left)?' "$work/stream" # the row may go soon
     see '^axial at 20,108,10  brush 0 r6  here 0'
     see '^the finish breaks label 1 to 1686106 voxels in 6 pieces; see `stats`'
+    shows_progress() { # the row may go soon
+        grep -aEq ' %, [0-9]+ s( left)?' "$work/stream"
+    }
+    if ! shows_progress; then # in the half second before it appears, fast machines are done
+        for _ in $(seq $(($(nproc) * 4))); do timeout 60 sh -c 'while :; do :; done' & done
+        type_letters "u"
+        press C-r
+        comes_true shows_progress
+        kill $(jobs -p)
+    fi
     tmux_here pipe-pane -t prompt
     # Nothing is drawn over progress before it is erased.
     LC_ALL=C awk 'BEGIN { RS = "[\r\033]" } /^[a-z]+ +\[.* s/ { n++; works = 1 }

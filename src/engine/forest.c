@@ -317,10 +317,11 @@ static enum err rebuild(struct forest *forest, struct fault *fault)
 /*
  * Undo the current edit in the middle of its pass (T5). A forest that had no seeds before is
  * cleared. If entries were lost because memory ran out, or the forest was being rebuilt, or is
- * torn, plant the former seeds and rebuild; if even that fails, suspend the forest.
+ * torn, plant the former seeds and rebuild; if even that fails, suspend the forest and return
+ * ERR_MEMORY. Otherwise return `reason`.
  */
-static void undo_edit(struct forest *forest, bool from_nothing, enum err reason,
-                      struct fault *fault)
+static enum err undo_edit(struct forest *forest, bool from_nothing, enum err reason,
+                          struct fault *fault)
 {
     forest->may_stop = false;
     if (from_nothing) {
@@ -328,7 +329,7 @@ static void undo_edit(struct forest *forest, bool from_nothing, enum err reason,
         clear_all(forest, false);
         finish_changes(forest);
         begin_pass(forest, false);
-        return;
+        return reason;
     }
     if (reason != ERR_MEMORY && !forest->from_scratch && !forest->torn) {
         queue_rewind(forest->worker[0].queue);
@@ -336,17 +337,17 @@ static void undo_edit(struct forest *forest, bool from_nothing, enum err reason,
         if (!forest->lost_too_much && forest_pass(forest) == OK) {
             finish_changes(forest);
             begin_pass(forest, false);
-            return;
+            return reason;
         }
     }
     set_seeds(forest, forest->inverse, forest->edits);
     struct fault again;
-    if (rebuild(forest, &again) != OK) {
-        forest->suspended = true;
-        fault_set(fault, ERR_MEMORY,
-                  "out of memory; the seeds are as before, and the next command recomputes "
-                  "the forest");
-    }
+    if (rebuild(forest, &again) == OK)
+        return reason;
+    forest->suspended = true;
+    return fault_set(fault, ERR_MEMORY,
+                     "out of memory; the seeds are as before, and the next command recomputes "
+                     "the forest");
 }
 
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
@@ -370,7 +371,7 @@ enum err forest_edit(struct forest *forest, const struct edit *edit, size_t coun
         err = ERR_CANCELLED;
     if (err) {
         pass_fault(fault, err);
-        undo_edit(forest, from_nothing, err, fault);
+        err = undo_edit(forest, from_nothing, err, fault);
     }
     return err;
 }

@@ -88,7 +88,7 @@ void forest_free(struct forest *forest);
  * watch is polled after every level of the pass, also while an edit is undone. On an error the
  * forest is unchanged and forest_changes is undefined: ERR_CANCELLED (stopped by the watch),
  * ERR_LIMIT (T3, or 2^32 edits), ERR_MEMORY. One exception: if memory runs out while the edit is
- * undone, the forest is suspended with its former seeds (forest_suspend), whatever the error.
+ * undone, the forest is suspended with its former seeds (forest_suspend): ERR_MEMORY.
  */
 enum err forest_edit(struct forest *forest, const struct edit *edit, size_t count,
                      struct fault *fault);
