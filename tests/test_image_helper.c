@@ -2,6 +2,7 @@
 /* The image helper: pictures through other formats, and a helper that misbehaves. */
 #include <errno.h>
 #include <signal.h>
+#include <sys/wait.h>
 
 #include "base/buf.h"
 #include "base/clock.h"
@@ -340,6 +341,22 @@ STORY(a_helper_that_stays_silent_is_ended)
     CHECK_HAS(failure("exec <&- >&-; sleep 60", false), "did not answer for 1 s and was ended");
     image_helper_patience_ms = 60000;
     CHECK(clock_ns() - begin < UINT64_C(30000000000));
+}
+
+/* By Ctrl-Z, for instance. */
+STORY(while_the_client_is_stopped_a_helper_has_time)
+{
+    image_helper_patience_ms = 1000;
+    fflush(stdout);
+    const pid_t client = fork();
+    if (client == 0)
+        _exit(!strstr(failure("kill -STOP $PPID; sleep 2.5; kill -CONT $PPID; sleep 0.3; "
+                              "printf 'error 3\\nabc'",
+                              false),
+                      "x.png: abc"));
+    int status;
+    CHECK(waitpid(client, &status, 0) == client && status == 0);
+    image_helper_patience_ms = 60000;
 }
 
 STORY(after_a_death_the_next_request_starts_anew)

@@ -24,6 +24,7 @@
 enum {
     LOOK_MS = 50,        /* between two looks at the watch */
     WORK_MS = 500,       /* between two checks of its progress */
+    ASLEEP_MS = 1000,    /* a wait this long shows that this process itself was stopped */
     BYTES_PER_MS = 1000, /* slower than any disk, decoder or encoder */
 };
 
@@ -251,6 +252,9 @@ static bool wait_for(struct coprocess *c, int fd, short events, uint64_t *until)
         const uint64_t left_ms = (*until - now + 999999) / 1000000;
         const uint64_t most_ms = c->watch ? LOOK_MS : WORK_MS;
         const int ready = poll(&wanted, 1, (int)(left_ms < most_ms ? left_ms : most_ms));
+        const uint64_t waited = clock_ns() - now;
+        if (waited >= (uint64_t)ASLEEP_MS * 1000000)
+            *until += waited;
         if (ready > 0)
             return true;
         if (ready < 0 && errno != EINTR)

@@ -6,12 +6,13 @@
  * A decoder that crashes on a hostile file costs one error message: the request fails, and the next
  * request starts the program again. Nothing here raises SIGPIPE or waits without a limit. The
  * program is killed if it neither reads nor writes the expected bytes within `patience_ms`, plus a
- * second for each megabyte, since its memory last grew; if it used five seconds of the processor
- * (work_ms) without either, as a decoder in an endless loop does; if it closes the socket and keeps
- * running; and if the watch stops while it is waited for. Its standard error is /dev/null, it has
- * no environment, and it is a separate process group, so that an interrupt from the keyboard does
- * not reach it. It confines itself before it decodes a byte, and it ends with the thread that
- * started it, however that ends (wire.hh).
+ * second for each megabyte, since its memory last grew, without the time for which the client was
+ * stopped (Ctrl-Z); if it used five seconds of the processor (work_ms) without either, as a decoder
+ * in an endless loop does; if it closes the socket and keeps running; and if the watch stops while
+ * it is waited for. Its standard error is /dev/null, it has no environment, and it is a separate
+ * process group, so that an interrupt from the keyboard does not reach it. It confines itself
+ * before it decodes a byte, and it ends with the thread that started it, however that ends
+ * (wire.hh).
  *
  * The client defines requests and answers (image_helper.h, volume_helper.h): lines of words and
  * decimal numbers, and counted bytes; each helper answers "versions\n" by "versions LENGTH\n words"
