@@ -61,7 +61,7 @@ typing "q" '^step 3 of 6, '
 
 begin "the view can be changed, and the journal cannot"
 type_letters "]ll"
-entering ":stats" 'label|head'
+entering ":stats" '^(\(any key\)|-- more --)$' 'label|head'
 press q
 entering ":seed 1,1,1 3" 'only questions and commands that change the view'
 entering ":undo" 'only questions and commands that change the view'
@@ -133,7 +133,7 @@ sane
 begin "the time of watching is not limited as that of the journal"
 enter_anew "$iftty watch e.iftty --limit-time 2s" '^the beginning'
 sleep 2.2
-entering ":stats" 'label|head'
+entering ":stats" '^(\(any key\)|-- more --)$' 'label|head'
 press q
 typing "4G" '^step 4 of 6, '
 typing "Gq" '^verified: '
