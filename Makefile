@@ -29,7 +29,7 @@ HEIC           = $(shell apt-cache show libheif-plugin-x265 >/dev/null 2>&1 && \
                      echo libheif-plugin-x265)
 FORMATTER     := clang-format-14
 BARE_PACKAGES := autopkgtest debootstrap
-DEB_PACKAGES  := dpkg-dev debhelper lintian
+DEB_PACKAGES  := build-essential debhelper lintian
 OCI_PACKAGES  := umoci crun
 # For `make static`; for another machine, its cross compiler and an emulator.
 CROSS_amd64     := gcc-x86-64-linux-gnu
