@@ -53,7 +53,7 @@ same "$(grep -c '^/usr/share/man/man[15]/iftty' "$work/out")" 3
 there somebody "man iftty-journal"
 out_has "THE SCENE"
 there somebody "cd /usr/share && ls bash-completion/completions/iftty zsh/vendor-completions/_iftty
-    cd /usr/share/doc/iftty && ls README.md* FORMAT.md* PROMISES.md* SECURITY.md* changelog*"
+    cd /usr/share/doc/iftty && ls README.md.gz FORMAT.md.gz PROMISES.md.gz SECURITY.md changelog.gz"
 
 begin "removed packages leave nothing"
 there root "$apt purge $(echo $packages) mricron-data"
