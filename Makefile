@@ -259,8 +259,8 @@ soak: all build/.packages-test
 	@rm -rf build/soak && for seed in 1 2 3 4 5 6 7 8 9 10; do \
 	    SEED=$$seed $(PYTHON) -W ignore tests/soak.py build/iftty build/soak/$$seed || exit 1; done
 
-## test-bare: run `make demo` and `make test` in a bare Debian 12 and a bare Debian 13 with git,
-##     make and gcc alone; needs root, and some GB in build/bare; SUITES=trixie: one of them
+## test-bare: run `make demo`, `make test` and `make deb` in a bare Debian 12 and a bare Debian 13
+##     with git, make and gcc; needs root, and some GB in build/bare; SUITES=trixie: one of them
 SUITES ?= bookworm trixie
 test-bare: build/.packages-bare
 	@for suite in $(SUITES); do SUITE=$$suite tests/bare.sh build/bare-$$suite || exit 1; done

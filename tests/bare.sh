@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The commands of README, `make demo` and `make test`, in a new clone on a bare Debian with git,
-# make and gcc: first as root, for whom missing packages are installed, then as an ordinary user
-# without sudo, for whom they are already installed.
+# The commands of README, `make demo`, `make test` and `make deb`, in a new clone on a bare Debian
+# with git, make and gcc: first as root, for whom missing packages are installed, then as an
+# ordinary user without sudo, for whom they are already installed.
 #
 #     bare.sh [FOLDER]   make the machine again in FOLDER, or in build/bare
 #     KEEP=yes           keep it afterwards
@@ -34,6 +34,7 @@ visit() { # USER
     inside root "chown -R $1: /src" && inside "$1" "git clone -q /src iftty" || exit 1
     try "$1" "make demo" '^  # [0-9]+ verified, 0 failed'
     try "$1" "make test" '^[0-9]+ passed, 0 failed, [0-9]+ skipped$'
+    try "$1" "make deb" '^\./iftty_[^ ]+\.deb$'
 }
 
 : >"$log"
